@@ -19,8 +19,8 @@ std::string text_of(const Json& value, int indent) {
 // Follows the reader without keeping anything; false ends it.
 class DepthCheck {
  public:
-    explicit DepthCheck(std::size_t most) : most_(most) {}
-    bool too_deep() const { return depth_ > most_; }
+    explicit DepthCheck(std::size_t max_depth) : max_depth_(max_depth) {}
+    bool too_deep() const { return depth_ > max_depth_; }
 
     bool null() { return true; }
     bool boolean(bool) { return true; }
@@ -30,14 +30,14 @@ class DepthCheck {
     bool string(std::string&) { return true; }
     bool binary(nlohmann::json::binary_t&) { return true; }
     bool key(std::string&) { return true; }
-    bool start_object(std::size_t) { return ++depth_ <= most_; }
-    bool start_array(std::size_t) { return ++depth_ <= most_; }
+    bool start_object(std::size_t) { return ++depth_ <= max_depth_; }
+    bool start_array(std::size_t) { return ++depth_ <= max_depth_; }
     bool end_object() { return --depth_, true; }
     bool end_array() { return --depth_, true; }
     bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) { return false; }
 
  private:
-    const std::size_t most_;
+    const std::size_t max_depth_;
     std::size_t depth_ = 0;
 };
 

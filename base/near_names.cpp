@@ -8,7 +8,7 @@ namespace latent {
 
 namespace {
 
-constexpr std::size_t kMax = 5;
+constexpr std::size_t kMaxNames = 5;
 
 // Letters that must change, come, go or change places with the next one to make one of the other (Levenshtein's distance, and
 // Damerau's transpositions of neighbours).
@@ -60,7 +60,7 @@ std::string near_names(std::string_view name, std::span<const std::string> names
     }
     std::ranges::stable_sort(near, {}, &std::pair<std::size_t, const std::string*>::first);
     std::string list;
-    for (std::size_t i = 0; i < std::min(kMax, near.size()); ++i) list += (i == 0 ? "" : ", ") + *near[i].second;
+    for (std::size_t i = 0; i < std::min(kMaxNames, near.size()); ++i) list += (i == 0 ? "" : ", ") + *near[i].second;
     return list;
 }
 

@@ -108,19 +108,19 @@ latent_status latent_reader_open(const char* const* paths, size_t count, const l
         if (reader == nullptr) return latent::usage_error("reader is null");
         *reader = nullptr;
         if (paths == nullptr || count == 0) return latent::usage_error("no paths");
-        RunSetOptions wanted;
+        RunSetOptions selection;
         for (size_t i = 0; i < count; ++i) {
             if (paths[i] == nullptr) return latent::usage_error("a path is null");
-            wanted.inputs.emplace_back(paths[i]);
+            selection.inputs.emplace_back(paths[i]);
         }
         if (options != nullptr) {
             const Result<latent_read_options> given = c::taken(options, offsetof(latent_read_options, job_low), "options");
             if (!given) return given.error();
-            wanted.skip_duplicates = given->skip_duplicates != 0;
-            if (given->verify != 0) wanted.verify = VerifyLevel::kStored;
-            if (given->job_low != 0 || given->job_high != 0) wanted.job = JobId{given->job_low, given->job_high};
+            selection.skip_duplicates = given->skip_duplicates != 0;
+            if (given->verify != 0) selection.verify = VerifyLevel::kStored;
+            if (given->job_low != 0 || given->job_high != 0) selection.job = JobId{given->job_low, given->job_high};
         }
-        Result<std::unique_ptr<RunSet>> opened = RunSet::open(wanted);
+        Result<std::unique_ptr<RunSet>> opened = RunSet::open(selection);
         if (!opened) return opened.error();
         *reader = Readers::open().add(std::make_shared<latent_reader>(std::move(*opened)));
         return {};

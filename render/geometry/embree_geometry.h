@@ -46,7 +46,7 @@ class EmbreeGeometry final : public Geometry {
     std::vector<SceneHandle> object_scenes_;
     std::vector<MovingGeometry> moving_;  // Embree points to them
     SceneHandle scene_;
-    bool has_interfaces_ = false;  // that part media; holes between media count
+    bool has_interfaces_ = false;  // whether light passes from medium to medium somewhere, also through a hole
 };
 
 }  // namespace latent::render

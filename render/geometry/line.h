@@ -6,7 +6,7 @@
 namespace latent::render {
 
 // Adds what `surfaces` say of media to a line along d: those before its hit as crossings, those at it as the hit's own media.
-// `surfaces`: each once, all that part media up to a little behind the hit, the hit's own included, in order of t.
+// `surfaces`: every surface between two media up to a little behind the hit, its own included; each once, in order of t.
 void add_media(std::vector<SurfaceHit> surfaces, const Vec3f& d, Line& line);
 
 }  // namespace latent::render

@@ -4,12 +4,14 @@
 
 namespace latent::render {
 
-std::uint32_t medium_at_start(const Geometry& geometry, const Vec3f& p, const Vec3f& d, float time, std::uint32_t given) {
+std::uint32_t medium_at_start(const Geometry& geometry, Vec3f& p, const Vec3f& d, float time, std::uint32_t given) {
     // From a little before the point to a little behind: from the point itself a ray meets a surface or not, as it rounds.
     const float reach = 0x1p-18f * geometry.radius();
     if (!(reach > 0)) return given;
     const Line line = geometry.trace({p - d * reach, d, 2 * reach, time}, Stop::kNothing);
-    return line.crossings.empty() ? given : line.crossings.back().entered;
+    if (line.crossings.empty()) return given;
+    p += d * reach;  // so that the line does not meet some of them once more, as it rounds
+    return line.crossings.back().entered;
 }
 
 March::March(const Line& line, const Ray& ray, float length, std::uint32_t medium)

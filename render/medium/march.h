@@ -23,8 +23,8 @@ struct MediumInterface {
 inline MediumInterface media_at(const SurfaceHit& hit) { return {hit.inside_medium, hit.outside_medium}; }
 
 // The medium that a line along unit d begins in, at `time`, from a light source or a lens at p: `given`, but on an interface the
-// one on the side that d leads to.
-std::uint32_t medium_at_start(const Geometry& geometry, const Vec3f& p, const Vec3f& d, float time, std::uint32_t given);
+// one on the side that d leads to, and p is moved there.
+std::uint32_t medium_at_start(const Geometry& geometry, Vec3f& p, const Vec3f& d, float time, std::uint32_t given);
 
 // The part of a line that lies in one medium.
 struct Segment {

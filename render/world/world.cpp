@@ -142,7 +142,7 @@ bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleSt
     const Line sight = geometry_->trace(ray, Stop::kAnySolid);
     if (sight.passed == 0) return false;
     if (sight.passed < 1) value *= sight.passed;
-    if (medium == kNone && sight.crossings.empty()) return true;  // all is as it was
+    if (medium == kNone && sight.crossings.empty()) return true;  // no medium on the way
     March march(sight, ray, length, medium);
     do {
         const Segment& segment = march.segment();

@@ -61,7 +61,7 @@ class World {
 
     // The medium in which the sample's line along unit d begins at a light source or a lens, which was said to be in `given`;
     // render::medium_at_start.
-    std::uint32_t medium_at_start(const Vec3f& p, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
+    std::uint32_t medium_at_start(Vec3f& p, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
         return has_media() ? render::medium_at_start(*geometry_, p, d, sample.time, given) : kNone;
     }
 

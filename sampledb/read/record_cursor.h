@@ -20,7 +20,7 @@ struct RecordSelection {
     std::optional<FilmRegion> region;
 };
 
-// For one thread; several may read one run_set.
+// For one thread; several may read one run set.
 class RecordCursor {
  public:
     RecordCursor(const RunSet& run_set, const RecordSelection& selection);

@@ -100,7 +100,7 @@ Records records_of(const Job& job, sampledb::SampleRange range) {
     return records;
 }
 
-MemoryRunSet gather_with_aovs(const Job& job, int runs, std::uint64_t per_run) {
+MemoryRunSet runs_with_aovs(const Job& job, int runs, std::uint64_t per_run) {
     return make_runs(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range); });
 }
 
@@ -108,7 +108,7 @@ TEST(AovLayers, AreWhatTheirDefinitionsSay) {
     const int width = 30, height = 20;
     for (const bool wide : {false, true}) {
         const Job job = job_with_aovs(wide);
-        const MemoryRunSet run_set = gather_with_aovs(job, 1, 16384);
+        const MemoryRunSet run_set = runs_with_aovs(job, 1, 16384);
         const Records records = records_of(job, {0, 16384});
         for (const char* name : {"quartic", "gaussian", "box", "quartic:-5,2"}) {
             SCOPED_TRACE(name);
@@ -150,7 +150,7 @@ TEST(AovLayers, AreWhatTheirDefinitionsSay) {
 
 TEST(AovLayers, AreTheSameBitsHoweverTheyAreDeveloped) {
     const Job job = job_with_aovs(false);
-    const MemoryRunSet run_set = gather_with_aovs(job, 24, 4096);
+    const MemoryRunSet run_set = runs_with_aovs(job, 24, 4096);
     for (const char* filter : {"quartic", "quartic:-6,2", "box"}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(330, 220, filter);
@@ -170,7 +170,7 @@ TEST(AovLayers, AreTheSameBitsHoweverTheyAreDeveloped) {
 
 TEST(AovLayers, ChangeNoBitOfThePictureAndOfOtherLayers) {
     const Job job = job_with_aovs(false);
-    const MemoryRunSet run_set = gather_with_aovs(job, 1, 16384);
+    const MemoryRunSet run_set = runs_with_aovs(job, 1, 16384);
     const Layers others{.variance = true, .weight = true, .count = true, .halves = true};
     Layers all = kAovs;
     all.variance = all.weight = all.count = all.halves = true;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
@@ -10,6 +11,7 @@
 
 #include "tests/develop/developed.h"
 #include "tests/faults/process.h"
+#include "tools/develop/lens_columns.h"
 #include "tools/develop/picture.h"
 #include "tools/develop/refocused.h"
 
@@ -293,6 +295,28 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
                             4 * expected[i].tolerance[c]);
         }
     }
+}
+
+TEST(Focus, CountsRecordsThatAreNotFiniteWhereTheyAreMoved) {
+    const Job job = job_with_lens();
+    const sampledb::SampleRange range{0, 16384};
+    Records records = records_of(job, range, {.light_per_sample = 0});
+    LensChoice lens;
+    lens.film_shift = {0.08, -0.12};
+    std::uint64_t on_film = 0;
+    for (std::size_t i = 0; i < records.size(); i += 37) {
+        records.x[i] = std::numeric_limits<float>::quiet_NaN();
+        const auto at = [&](std::size_t axis, std::uint32_t from) {
+            return from * 0x1p-32 + lens.film_shift[axis] * middle_of_cell(static_cast<std::size_t>(records.extra[axis].values[i]));
+        };
+        const double u = at(0, records.u[i]), v = at(1, records.v[i]);
+        on_film += u >= 0 && u < 1 && v >= 0 && v < 1;
+    }
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage(range), records);
+    const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings_for(72, 48), 2, nullptr, {}, lens);
+    EXPECT_LT(on_film, records.size() / 37);
+    EXPECT_EQ(developed.counts.camera_not_finite, on_film);
 }
 
 // In the strip at the border of a refocused picture, light records weigh 1 / M: of the cells that lie in both rims, and that the

@@ -110,8 +110,13 @@ TEST_F(Touching, ALineBeginsInTheMediumThatItLeadsInto) {
     for (const Case& c : {Case{at(0, 0.5, 0.1), at(1, 0.7, 0.2), kC}, Case{at(0, 0.5, 0.1), at(-0.5, 0.7, 0.2), kB},
                           Case{at(-0.3, 0, 0.1), at(-0.2, 0.5, 0.2), kB}, Case{at(0.3, 0, 0.1), at(0.2, 0.5, 0.2), kC}}) {
         for (const std::uint32_t given : {kNone, kA, kB, kC}) {
-            const Vec3f start(c.from - scene_.description.origin), d(normalize(c.towards - c.from));
+            Vec3f start(c.from - scene_.description.origin);
+            const Vec3f d(normalize(c.towards - c.from));
             EXPECT_EQ(medium_at_start(world_->geometry(), start, d, 0, given), c.medium);
+            const Line line = world_->geometry().trace({start, d}, Stop::kNothing);  // meets none of those at its start
+            ASSERT_FALSE(line.crossings.empty());
+            EXPECT_GT(line.crossings.front().t, 0.1f);
+            EXPECT_EQ(line.crossings.front().left, c.medium);
         }
     }
 }

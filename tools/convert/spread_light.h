@@ -19,7 +19,7 @@ struct Spread {
     explicit operator bool() const { return near || far; }
 };
 
-// Bytes of memory that light_rows() holds, and the program while kernels are made.
+// Bytes of memory that light_rows() holds, and 44 MiB for the program and for making kernels.
 std::size_t spread_bytes(const Spread& spread, const image::ExrImage& image, int threads);
 
 // Of the pixels that `source` holds, which outlives the result; `print`: the bands that will be made and read, in their order. The

@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/stopwatch.h"
+
 namespace latent::develop {
 
 namespace {
@@ -63,7 +65,7 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         const bool is_first = last.amount == first.amount;  // a second amount is worth more than repeats
         const double affordable = ((is_first ? left : left / kRepeats) - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
         const double next = std::min({kMaxGrowth * amount, affordable, most});
-        if (next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
+        if (next > amount && next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
             repeated.clear();
         } else if (repeated.size() == kRepeats || left < last.cost.wall) {
@@ -75,10 +77,11 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
 double processor_share(int threads) {
     constexpr double kSeconds = 0.2;
     const CostMeter meter;
+    const Stopwatch stopwatch;
     std::vector<std::jthread> all;
     for (int i = 0; i < threads; ++i) {
-        all.emplace_back([&meter] {
-            while (meter.so_far().wall < kSeconds) {
+        all.emplace_back([&stopwatch] {
+            while (stopwatch.seconds() < kSeconds) {
             }
         });
     }

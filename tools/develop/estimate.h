@@ -50,9 +50,10 @@ struct LinearCost {
     Cost of(double amount) const { return fixed + each * amount; }
 };
 
-// Tries `least`, then up to eight times as much each time, at most `most`, until about `seconds` have passed, or a trial takes
-// `enough` seconds of CPU time more than the first; the last amount up to three times, of which the median counts. `least` is
-// tried in any case; if there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
+// Tries `least`, then more: each amount is up to eight times the last, and at most `most`. Ends after about `seconds`, or when an
+// amount costs `enough` seconds of CPU time more than the first. The last amount is repeated, up to three times, and the median
+// counts. `least` is tried in any case; if there was no time for more, all of its cost is taken to be that of its amount. Errors:
+// those of `trial`.
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
@@ -62,8 +63,8 @@ double processor_share(int threads);
 // Seconds that pass when so many threads, with that share of a processor each, do what cost one thread `cost`.
 double seconds_with(const Cost& cost, int threads, double share);
 
-// How many of `runs` can be developed within `seconds`, the trials included; at least one. The amount is that of runs. Errors:
-// those of `trial`.
+// How many of `runs` can be developed within `seconds`, the trials included; at least one, if there is any. The amount is that of
+// runs. Errors: those of `trial`.
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial);
 
 }  // namespace latent::develop

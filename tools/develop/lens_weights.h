@@ -60,7 +60,7 @@ class LensWeights {
     // Whether there are weights of 0.
     bool leaves_records_out() const { return leaves_out_; }
 
-    // Whether the lens is focused elsewhere.
+    // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
     bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
     // Moves each record to (u, v) + the film's shift x its point of the lens. `rows`: those that are still on the film; the others
     // stay where they are.

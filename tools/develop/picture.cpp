@@ -137,7 +137,7 @@ struct Preparation {
 };
 
 // `run_set` is of all runs, which hold `available` samples, or of some. `default_size`: unless the options have one.
-Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSetOptions& run_options,
+Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSetOptions& selection,
                             const sampledb::RunSet& run_set, std::uint64_t available, Size default_size) {
     const sampledb::Job& job = run_set.job();
 
@@ -145,7 +145,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     report.output = options.output.string();
     report.job = job.id;
     report.coverage = run_set.coverage();
-    if (report.coverage.empty()) return nothing_to_develop(run_options);
+    if (report.coverage.empty()) return nothing_to_develop(selection);
     report.available = available;
     if (options.samples && !options.is_preview()) report.missing.add(*options.samples);
     report.missing.remove(report.coverage);
@@ -251,15 +251,15 @@ Result<PictureReport> develop_prepared(const PictureOptions& options, const samp
 }
 
 sampledb::RunSetOptions run_set_options(const PictureOptions& options, sampledb::VerifyLevel verify) {
-    sampledb::RunSetOptions run_options;
-    run_options.inputs = options.inputs;
-    run_options.skip_duplicates = options.skip_duplicates;
-    run_options.job = options.job;
-    run_options.samples = options.samples;
-    run_options.verify = verify;
-    run_options.memory = options.memory;
-    run_options.announced_reads = true;
-    return run_options;
+    sampledb::RunSetOptions selection;
+    selection.inputs = options.inputs;
+    selection.skip_duplicates = options.skip_duplicates;
+    selection.job = options.job;
+    selection.samples = options.samples;
+    selection.verify = verify;
+    selection.memory = options.memory;
+    selection.announced_reads = true;
+    return selection;
 }
 
 // The first `count` of the runs in this order.
@@ -322,9 +322,9 @@ Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb:
 // `running`: since the command began.
 Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::VerifyLevel verify, const Stopwatch& running,
                                    PictureSink& sink, const Progress& progress) {
-    const sampledb::RunSetOptions run_options = run_set_options(asked, verify);
-    const auto opened = sampledb::RunSet::open(run_options);
-    if (!opened) return with_advice(opened.error(), run_options.inputs);
+    const sampledb::RunSetOptions selection = run_set_options(asked, verify);
+    const auto opened = sampledb::RunSet::open(selection);
+    if (!opened) return with_advice(opened.error(), selection.inputs);
     const Result<PictureOptions> seen = seen_by_lens(asked, **opened);
     if (!seen) return seen.error();
     const PictureOptions& options = *seen;
@@ -333,13 +333,12 @@ Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::Verify
     const sampledb::RunSet& all = refocused ? *refocused : **opened;
     const std::uint64_t available = all.coverage().size();
     if (!options.is_preview())
-        return develop_prepared(options, all, prepare(options, run_options, all, available, default_size(all)), true, sink,
-                                progress);
+        return develop_prepared(options, all, prepare(options, selection, all, available, default_size(all)), true, sink, progress);
 
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const auto develop_first = [&](std::size_t count, bool publish, const Progress& shown) {
         const Subset some = first_of(all, order, count);
-        const auto prepared = prepare(options, run_options, some, available, default_size(all, some.coverage().size()));
+        const auto prepared = prepare(options, selection, some, available, default_size(all, some.coverage().size()));
         return develop_prepared(options, some, prepared, publish, sink, shown);
     };
     Result<std::size_t> count = count_for(all, order, options.fraction);
@@ -415,23 +414,22 @@ std::vector<PictureOptions> frames_of(const PictureOptions& options) {
 
 Result<Forecast> forecast_picture(const PictureOptions& given) {
     if (Status s = set_simd_level(given.simd); !s) return s.error();
-    const sampledb::RunSetOptions run_options = run_set_options(given, sampledb::VerifyLevel::kHeaders);
-    const auto opened = sampledb::RunSet::open(run_options);
-    if (!opened) return with_advice(opened.error(), run_options.inputs);
+    const sampledb::RunSetOptions selection = run_set_options(given, sampledb::VerifyLevel::kHeaders);
+    const auto opened = sampledb::RunSet::open(selection);
+    if (!opened) return with_advice(opened.error(), selection.inputs);
     const Result<PictureOptions> seen = seen_by_lens(given, **opened);
     if (!seen) return seen.error();
     const PictureOptions& asked = *seen;
     std::optional<Refocused> refocused;
     if (asked.lens.is_refocused()) refocused.emplace(**opened, asked.lens.film_shift);
     const sampledb::RunSet& all = refocused ? *refocused : **opened;
-    if (all.coverage().empty()) return nothing_to_develop(run_options);
+    if (all.coverage().empty()) return nothing_to_develop(selection);
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const std::size_t runs = count_for(all, order, asked.fraction);
     const Subset wanted = first_of(all, order, runs);
     const std::optional<std::uint64_t> preview_samples =
         asked.is_preview() ? std::optional(wanted.coverage().size()) : std::nullopt;
-    const Result<Preparation> whole =
-        prepare(asked, run_options, wanted, all.coverage().size(), default_size(all, preview_samples));
+    const Result<Preparation> whole = prepare(asked, selection, wanted, all.coverage().size(), default_size(all, preview_samples));
     if (!whole) return whole.error();
 
     Forecast forecast;
@@ -455,7 +453,7 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         const Subset some = first_of(all, order, picture.runs);
         const CostMeter meter;
         const Result<PictureReport> tried = develop_prepared(
-            options, some, prepare(options, run_options, some, all.coverage().size(), {picture.width, picture.height}), false, sink,
+            options, some, prepare(options, selection, some, all.coverage().size(), {picture.width, picture.height}), false, sink,
             {});
         if (!tried) return tried.error();
         return TrialOutcome{meter.so_far(), tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};

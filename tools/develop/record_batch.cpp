@@ -276,6 +276,17 @@ void Loader::copy_moved_rows(const sampledb::Page& page, const MovedRows& moved,
     }
 }
 
+// Of the rows that are wanted; others count where they are.
+std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows& moved) const {
+    std::vector<float> values(stride_);
+    std::uint64_t count = 0;
+    for (const std::uint64_t key : moved.keys) {
+        const std::size_t row = key & ((1 << kRowBits) - 1);
+        count += channels_.values(page, row, row + 1, values.data());
+    }
+    return count;
+}
+
 void Loader::count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling) {
     if (count == 0 || !filling.counting) return;
     (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_not_finite : counts_.light_not_finite) += count;
@@ -290,7 +301,7 @@ std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uin
         const float* const row = values + i * stride;
         if (std::all_of(row, row + stride, [](float value) { return value == 0; })) continue;
         x[kept] = x[i], y[kept] = y[i];
-        std::copy_n(row, stride, values + kept * stride);
+        if (kept < i) std::copy_n(row, stride, values + kept * stride);
         ++kept;
     }
     return kept;
@@ -308,7 +319,8 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     if (moves) {
         move_rows(page, intersection(grid_.cells_of(ref.info.node, ref.info.part), filling.cells), worker.moved, cells);
         worker.moved.values.resize(page.count * stride_);
-        count_not_finite(channels_.values(page, 0, page.count, worker.moved.values.data()), page, filling);
+        if (channels_.values(page, 0, page.count, worker.moved.values.data()) > 0)
+            count_not_finite(not_finite_of(page, worker.moved), page, filling);
     } else {
         find_cells(page, cells);
         std::erase_if(cells, [&](const CellRows& rows) { return !contains(filling.cells, rows.cell_x, rows.cell_y); });

@@ -80,11 +80,11 @@ class Loader {
         std::uint32_t slot, first, count;
     };
     struct Filling;
-    // Rows of a page that a lens has moved, out of order: which lie in cells that are wanted, cell by cell; and all its values.
+    // A page whose records a lens has moved.
     struct MovedRows {
-        std::vector<std::uint32_t> on_film;
-        std::vector<std::uint64_t> keys, other_keys;  // number of the cell << 16 | row
-        std::vector<float> values;
+        std::vector<std::uint32_t> on_film;           // rows that are still on the film
+        std::vector<std::uint64_t> keys, other_keys;  // cell << 16 | row, of the rows in cells that are wanted, by cell
+        std::vector<float> values;                    // of all rows
     };
     struct Worker {  // what a thread keeps from page to page
         sampledb::PageDecoder decoder;
@@ -99,6 +99,7 @@ class Loader {
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
     void move_rows(sampledb::Page& page, const PixelRect& wanted, MovedRows& moved, std::vector<CellRows>& cells) const;
     void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
+    std::uint64_t not_finite_of(const sampledb::Page& page, const MovedRows& moved) const;
     void count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling);
     template <std::size_t kStride>  // if it is known; else 0
     void copy_moved_rows(const sampledb::Page& page, const MovedRows& moved, const CellRows& rows, const Filling& filling,

@@ -32,21 +32,22 @@ bool InterleaveRows(std::span<const float> x, const float* y, const float* z, fl
     std::size_t i = 0;
     for (; i + hn::Lanes(d) <= x.size(); i += hn::Lanes(d)) {
         auto a = hn::LoadU(d, &x[i]), b = hn::LoadU(d, y + i), c = hn::LoadU(d, z + i);
-        check = hn::Add(check, hn::Add(hn::Mul(a, zero), hn::Add(hn::Mul(b, zero), hn::Mul(c, zero))));
         auto shares = all_shares;
         if (factors.value != nullptr) {
             const auto factor = hn::LoadU(d, factors.value + i);
             a = hn::Mul(a, factor), b = hn::Mul(b, factor), c = hn::Mul(c, factor);
             shares = hn::Mul(shares, hn::LoadU(d, factors.share + i));
         }
+        check = hn::Add(check, hn::Add(hn::Mul(a, zero), hn::Add(hn::Mul(b, zero), hn::Mul(c, zero))));
         hn::StoreInterleaved4(a, b, c, shares, d, rows + 4 * i);
     }
     float rest = 0;
     for (; i < x.size(); ++i) {
         const float factor = factors.value != nullptr ? factors.value[i] : 1;
-        rest += x[i] * 0.0f + y[i] * 0.0f + z[i] * 0.0f;
-        rows[4 * i] = x[i] * factor, rows[4 * i + 1] = y[i] * factor, rows[4 * i + 2] = z[i] * factor;
-        rows[4 * i + 3] = share * (factors.share != nullptr ? factors.share[i] : 1);
+        float* const row = rows + 4 * i;
+        row[0] = x[i] * factor, row[1] = y[i] * factor, row[2] = z[i] * factor;
+        rest += row[0] * 0.0f + row[1] * 0.0f + row[2] * 0.0f;
+        row[3] = share * (factors.share != nullptr ? factors.share[i] : 1);
     }
     return hn::AllTrue(d, hn::Eq(check, zero)) && rest == 0;
 }

@@ -27,7 +27,7 @@ FilmNode smallest_square(const Page& page) {
 }  // namespace
 
 OrderCheck::OrderCheck(const Job& job, std::size_t number, Violations& violations)
-    : most_(max_page_records(job)), run_(number), violations_(violations) {}
+    : page_records_(max_page_records(job)), run_(number), violations_(violations) {}
 
 void OrderCheck::add(const PageInfo& info, std::size_t number, const Page& page) {
     if (info.record_class != record_class_) {
@@ -37,7 +37,7 @@ void OrderCheck::add(const PageInfo& info, std::size_t number, const Page& page)
     check_square(info, number, page);
     check_order(number, page);
     cuts_.push_back({number, page.count});
-    check_cuts(most_);
+    check_cuts(page_records_);
 }
 
 void OrderCheck::finish() { finish_class(); }
@@ -77,13 +77,13 @@ void OrderCheck::check_cuts(std::size_t keep) {
     while (!cuts_.empty() && z_.size() - begin > keep) {
         const Cut cut = cuts_.front();
         cuts_.pop_front();
-        const std::size_t wanted = in_order_ ? page_end(z_, begin, most_) - begin : cut.records;
+        const std::size_t wanted = in_order_ ? page_end(z_, begin, page_records_) - begin : cut.records;
         if (wanted != cut.records) {
             violations_.add({.run = run_,
                              .page = cut.page,
                              .what = fmt::format("ends after {} records", cut.records),
                              .wanted = fmt::format("{} records, those of the largest node that begins here and holds at most {}",
-                                                   wanted, most_)});
+                                                   wanted, page_records_)});
         }
         begin += cut.records;
     }

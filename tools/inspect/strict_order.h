@@ -30,7 +30,7 @@ class OrderCheck {
     void check_cuts(std::size_t keep);
     void finish_class();
 
-    const std::size_t most_, run_;
+    const std::size_t page_records_, run_;
     Violations& violations_;
     sampledb::RecordClass record_class_ = sampledb::RecordClass::kCamera;
     bool any_ = false;  // records of this class so far

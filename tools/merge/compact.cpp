@@ -91,7 +91,7 @@ class ClassMerger {
     ClassMerger(const RunSet& run_set, const CompactGroup& group, RecordClass record_class, const Budget& budget,
                 RunEncoder& encoder, Writer& writer)
         : job_(run_set.job()),
-          most_(max_page_records(run_set.job())),
+          page_records_(max_page_records(run_set.job())),
           budget_(budget),
           encoder_(encoder),
           writer_(writer),
@@ -164,7 +164,8 @@ class ClassMerger {
     Status encode(bool more) {
         std::vector<std::size_t> cuts{0};  // a page's end shows once the record that is one too many is there
         const std::size_t lead = z_.size() - order_.size();
-        while (order_.size() - cuts.back() > (more ? most_ : 0)) cuts.push_back(page_end(z_, lead + cuts.back(), most_) - lead);
+        while (order_.size() - cuts.back() > (more ? page_records_ : 0))
+            cuts.push_back(page_end(z_, lead + cuts.back(), page_records_) - lead);
         struct Encoded {
             PageInfo info;
             Bytes bytes;
@@ -202,7 +203,7 @@ class ClassMerger {
     };
 
     const Job& job_;
-    const std::size_t most_;
+    const std::size_t page_records_;
     const Budget budget_;
     tbb::enumerable_thread_specific<Worker> workers_;
     RunEncoder& encoder_;
