@@ -1,5 +1,9 @@
 #include "base/option_parts.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "base/parse.h"
 
 namespace latent {
@@ -23,6 +27,16 @@ std::optional<NamedNumbers> named_numbers(std::string_view text) {
         named.numbers.push_back(*number);
     }
     return named;
+}
+
+Status check_parts_differ(std::string_view text) {
+    std::vector<std::string_view> names;
+    for (const std::string_view part : parts_of(text, ',')) {
+        const std::string_view name = parse_number(part) ? "a number" : part.substr(0, part.find(':'));
+        if (std::ranges::find(names, name) != names.end()) return usage_error(fmt::format("'{}': {} is given twice", text, name));
+        if (name == "a number" || !parse_number(name)) names.push_back(name);  // times of a shutter begin with numbers
+    }
+    return {};
 }
 
 }  // namespace latent

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
+
 namespace latent {
 
 // The text between separators; one part at least, which may be empty.
@@ -16,5 +18,8 @@ struct NamedNumbers {
     std::vector<double> numbers{};
 };
 std::optional<NamedNumbers> named_numbers(std::string_view text);
+
+// Errors: kUsage: of the parts between commas, two have one name, or two are numbers alone.
+Status check_parts_differ(std::string_view text);
 
 }  // namespace latent

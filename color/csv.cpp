@@ -47,20 +47,21 @@ std::optional<double> csv_number(std::string_view field) {
 
 Error csv_error(int line, std::string what) { return Error{ErrorCode::kCorrupt, std::move(what)}.at(fmt::format("line {}", line)); }
 
-Result<Spectrum> curve_from_csv(std::string_view text) {
+Result<Spectrum> curve_from_csv(std::string_view text, std::string_view abscissa) {
     std::vector<double> nm, factor;
     bool first = true;
     for (const CsvRow& row : csv_rows(text)) {
         if (std::exchange(first, false) && !csv_number(row.fields[0])) continue;  // the line of column names
         const auto x = csv_number(row.fields[0]), y = csv_number(row.fields.back());
-        if (row.fields.size() != 2 || !x || !y) return csv_error(row.line, "not a wavelength in nm and a factor, as in 550,0.8");
+        if (row.fields.size() != 2 || !x || !y)
+            return csv_error(row.line, fmt::format("not a {} and a factor, two numbers", abscissa));
         if (*y < 0) return csv_error(row.line, fmt::format("a factor cannot be negative: {}", row.fields[1]));
         if (!nm.empty() && *x <= nm.back())
-            return csv_error(row.line,
-                             fmt::format("wavelengths must increase, but {} nm follows {} nm; sort the rows", *x, nm.back()));
+            return csv_error(row.line, fmt::format("{}s must increase, but {} follows {}; sort the rows", abscissa, *x, nm.back()));
         nm.push_back(*x);
         factor.push_back(*y);
     }
+    if (nm.empty()) return Error{ErrorCode::kCorrupt, fmt::format("has no rows of a {} and a factor", abscissa)};
     return Spectrum::from_samples(std::move(nm), std::move(factor), Outside::kClamped);
 }
 

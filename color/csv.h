@@ -25,6 +25,6 @@ Error csv_error(int line, std::string what);
 
 // Rows of wavelength [nm] and factor; one line of column names may come first. Wavelengths strictly increase, factors are not
 // negative; the end values go on for ever. Errors: kCorrupt, "line 12: ..."; kOutOfRange.
-Result<Spectrum> curve_from_csv(std::string_view text);
+Result<Spectrum> curve_from_csv(std::string_view text, std::string_view abscissa = "wavelength");
 
 }  // namespace latent::color

@@ -11,7 +11,8 @@ namespace latent::image {
 Result<Blades> parse_blades(const NamedNumbers& named, std::string_view text) {
     const std::vector<double>& n = named.numbers;
     if (n.empty() || n.size() > 3 || !(n[0] >= 3 && n[0] <= 64) || n[0] != std::floor(n[0]))
-        return is_not(text, "3 to 64 blades (try blades:6, or blades:6:15:0.2 with a rotation and a curvature)");
+        return is_not(text,
+                      "blades:COUNT, blades:COUNT:ROTATION or blades:COUNT:ROTATION:CURVATURE, with 3 to 64 blades (try blades:6)");
     Blades blades{static_cast<int>(n[0]), n.size() > 1 ? n[1] : 0, n.size() > 2 ? n[2] : 0};
     if (!(std::abs(blades.rotation_degrees) <= 360)) return is_not(text, "a rotation of -360 to 360 degrees");
     if (!(blades.curvature >= 0 && blades.curvature <= 1)) return is_not(text, "a curvature from 0 (straight) to 1 (a circle)");

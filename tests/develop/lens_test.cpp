@@ -402,6 +402,10 @@ TEST_F(LensTool, WritesTheFramesOfASequence) {
         EXPECT_EQ(reports[i]["output"], (folder_ / fmt::format("a.{:04}.exr", i + 1)).string());
         EXPECT_TRUE(std::filesystem::exists(reports[i]["output"].get<std::string>()));
     }
+    std::filesystem::remove(folder_ / "a.0001.exr");
+    const auto at = [&](const char* name) { return (folder_ / name).string(); };
+    EXPECT_EQ(testing::run({testing::tool("latent-develop"), at("a.latent"), "-o", at("a.exr"), "--frames", "3"}).status, 1);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.0001.exr"));
 }
 
 TEST_F(LensTool, SaysWhatToDoAboutFilesThatCannot) {
@@ -450,9 +454,10 @@ TEST(Lens, WhatIsMissingOrImpossibleIsRefusedInOneLine) {
     for (const char* wide : {"1.5", "2"})
         EXPECT_NE(parse_aperture(wide).error().message.find("a wider lens must be rendered"), std::string::npos);
     for (const char* bad : {"", "0", "-1", "blades:2", "blades:6.5", "blades", "blades:6:10:2", "gaussian:1", "anamorphic:0.5",
-                            "cat-eye", "left:1", "star", "0.5,", "f:0", "0.5,f:8"})
+                            "cat-eye", "left:1", "star", "0.5,", "f:0", "0.5,f:8", "0.5,0.4", "left,right", "blades:5,blades:6"})
         EXPECT_FALSE(parse_aperture(bad)) << bad;
-    for (const char* bad : {"", "0.5", "0.5:0.2", "0:1.5", "0:0.5,0.4:1", "soft,film", "rolling:1", "rolling", "0:0.5:1", "a:b"})
+    for (const char* bad : {"", "0.5", "0.5:0.2", "0:1.5", "0:0.5,0.4:1", "soft,film", "rolling:1", "rolling", "0:0.5:1", "a:b",
+                            "rolling:0.1,rolling:0.2"})
         EXPECT_FALSE(parse_shutter(bad)) << bad;
     EXPECT_FALSE(LensWeights::make(job_with_lens(), choice("", "/does/not/exist.csv")));
 }

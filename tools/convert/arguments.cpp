@@ -150,7 +150,8 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
         ->type_name("cos4[:DEGREES]");
     cli::add_parsed(
         app, "--glare", options.glare, parse_glare,
-        "spread the light of lamps as the aperture of a lens does (f:16, or blades:6,f:8), or as an eye does; see below")
+        "spread the light of lamps as the aperture of a lens does (f:16, or blades:6,f:8; f:8 by default), or as an eye does; "
+        "see below")
         ->type_name("GLARE");
     add_darkroom(app, options.darkroom);
     app.add_flag("--gray,--grey", options.grey, "write one channel, the luminance of the print, with a profile of grey");

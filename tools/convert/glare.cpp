@@ -122,6 +122,7 @@ Result<Glare> parse_glare(std::string_view text) {
     };
     Glare glare;
     glare.text = text;
+    if (Status s = check_parts_differ(text); !s) return s.error();
     const std::vector<std::string_view> parts = parts_of(text, ',');
     glare.eye = parts.front() == "eye";
     const bool picture = parts.front().ends_with(".exr");

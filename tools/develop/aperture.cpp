@@ -1,5 +1,7 @@
 #include "tools/develop/aperture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,10 +69,12 @@ Result<Aperture> refuse(std::string_view part) {
 
 Result<Aperture> parse_aperture(std::string_view text) {
     Aperture aperture;
+    if (Status s = check_parts_differ(text); !s) return s.error();
     for (const std::string_view part : parts_of(text, ',')) {
         if (const Result<double> radius = parse_number(part)) {
             if (!(*radius > 0 && *radius <= 1))
-                return is_not(part, "a fraction of the rendered radius, above 0 and at most 1: a wider lens must be rendered");
+                return is_not(part, fmt::format("a fraction of the rendered radius, above 0 and at most 1{}",
+                                                *radius > 1 ? ": a wider lens must be rendered" : ""));
             aperture.radius = *radius;
             continue;
         }
@@ -93,10 +97,9 @@ Result<Aperture> parse_aperture(std::string_view text) {
         } else if (named->name == "cat-eye" && n.size() == 1) {
             aperture.cat_eye = n[0];
             if (!(aperture.cat_eye >= 0 && aperture.cat_eye <= 1)) return is_not(part, "a cat's eye from 0 to 1 (try cat-eye:0.5)");
-        } else if (named->name == "left" && n.empty()) {
-            aperture.half = Aperture::Half::kLeft;
-        } else if (named->name == "right" && n.empty()) {
-            aperture.half = Aperture::Half::kRight;
+        } else if ((named->name == "left" || named->name == "right") && n.empty()) {
+            if (aperture.half != Aperture::Half::kBoth) return is_not(text, "an aperture: it has two halves");
+            aperture.half = named->name == "left" ? Aperture::Half::kLeft : Aperture::Half::kRight;
         } else {
             return refuse(part);
         }

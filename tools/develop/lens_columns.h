@@ -34,12 +34,11 @@ inline std::optional<std::array<std::size_t, 2>> lens_columns(const sampledb::Jo
     return std::array{*x, *y};
 }
 
-// Errors: kUsage, beginning with `option`: it has not.
-inline Status check_lens_columns(const sampledb::Job& job, const char* option) {
+// Errors: kUsage, beginning with `option`: it has not. `aovs`: what that needs.
+inline Status check_lens_columns(const sampledb::Job& job, const std::string& option, const std::string& aovs = "lens") {
     if (lens_columns(job)) return {};
-    return usage_error(std::string(option) +
-                       ": the files do not say where light met the lens; render the scene again with --aov lens, and a camera that "
-                       "has a lens");
+    return usage_error(option + ": the files do not say where light met the lens; render the scene again with --aov " + aovs +
+                       ", and a camera that has a lens");
 }
 
 // The leading 8 bits of unsigned numbers.

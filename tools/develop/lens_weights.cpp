@@ -78,8 +78,9 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
         weights.time_column_ = place_of_fractions(job, "shutter");
         if (!weights.time_column_)
             return usage_error(
-                "--shutter: the files do not say when light met the lens; render the scene again with --aov time; something in it "
-                "must move");
+                fmt::format("{}: the files do not say when light met the lens; render the scene again with --aov "
+                            "time; something in it must move",
+                            choice.shutter.frames > 1 ? "--frames" : "--shutter"));
         Result<ShutterCurve> curve = ShutterCurve::make(choice.shutter);
         if (!curve) return curve.error();
         weights.set_shutter(choice.shutter, *std::move(curve));

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "base/cli.h"
+#include "base/file.h"
 #include "base/temporary_path.h"
 #include "tools/develop/arguments.h"
 #include "tools/develop/picture.h"
@@ -41,7 +42,11 @@ int main(int argc, char** argv) try {
     }
     int status = cli::kDone;
     std::vector<std::string> reports;
-    for (const develop::PictureOptions& frame : develop::frames_of(options)) {
+    const std::vector<develop::PictureOptions> frames = develop::frames_of(options);
+    for (const develop::PictureOptions& frame : frames) {  // all, before the first is written
+        if (const Result<OutputFile> file = OutputFile::create(frame.output, frame.replace); !file) return cli::fail(file.error());
+    }
+    for (const develop::PictureOptions& frame : frames) {
         const Result<develop::PictureReport> report = develop::develop_picture(frame, cli::progress(common, "developing"));
         if (!report) return cli::fail(report.error());
         if (reports.empty()) {  // all frames have the same

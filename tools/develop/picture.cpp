@@ -292,6 +292,8 @@ Size size_of_width(double width, double aspect) {
 Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb::RunSet& all) {
     PictureOptions options = asked;
     Aperture& aperture = options.lens.aperture;
+    if (options.lens.exposure_follows && aperture.is_whole() && options.lens.shutter.is_whole())
+        return usage_error("--exposure-follows: follows --aperture, --shutter or --frames; give one of them");
     if (aperture.f_number > 0) {
         if (Status s = check_lens_columns(all.job(), "--aperture"); !s) return s.error();
         const Result<RecordedLens> lens = recorded_lens(all, "--aperture");
@@ -304,7 +306,7 @@ Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb:
         aperture.radius = std::min(aperture.radius, 1.0);
     }
     if (options.focus) {
-        if (Status s = check_lens_columns(all.job(), "--focus"); !s) return s.error();
+        if (Status s = check_lens_columns(all.job(), "--focus", options.focus->pixel ? "depth,lens" : "lens"); !s) return s.error();
         const Result<RecordedLens> lens = recorded_lens(all, "--focus");
         if (!lens) return lens.error();
         if (options.focus->pixel) {

@@ -28,8 +28,10 @@ Result<Transmission> transmission_of(const std::string& curve) {
     if (curve == "film") return Transmission([](double t) { return std::min(1.0, 8 * std::min(t, 1 - t)); });
     const Result<std::string> text = read_small_file(curve, kMaxShutterFile, "a shutter's curve");
     if (!text) return text.error();
-    const Result<color::Spectrum> table = color::curve_from_csv(*text);  // of any abscissa
+    const Result<color::Spectrum> table = color::curve_from_csv(*text, "time");
     if (!table) return table.error().at(curve);
+    if (table->lambda_nm().front() < 0 || table->lambda_nm().back() > 1)
+        return Error{ErrorCode::kOutOfRange, "times are 0 to 1, from the beginning to the end of the exposure"}.at(curve);
     if (table->max_value() > 1)
         return Error{ErrorCode::kOutOfRange, "a shutter lets no more than all light pass: factors are 0 to 1"}.at(curve);
     return Transmission([table = *table](double t) { return table(t); });
@@ -48,6 +50,7 @@ Result<std::array<double, 2>> parse_interval(std::string_view part) {
 
 Result<Shutter> parse_shutter(std::string_view text) {
     Shutter shutter;
+    if (Status s = check_parts_differ(text); !s) return s.error();
     for (const std::string_view part : parts_of(text, ',')) {
         const std::optional<NamedNumbers> named = named_numbers(part);
         if (part == "soft" || part == "film" || part.ends_with(".csv")) {
