@@ -19,7 +19,7 @@ struct NamedNumbers {
 };
 std::optional<NamedNumbers> named_numbers(std::string_view text);
 
-// Errors: kUsage: of the parts between commas, two have one name, or two are numbers alone.
+// Errors: kUsage: of the parts between commas, two have the same name, or two are numbers alone. Ranges, "0:0.25", may repeat.
 Status check_parts_differ(std::string_view text);
 
 }  // namespace latent

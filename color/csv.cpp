@@ -47,14 +47,14 @@ std::optional<double> csv_number(std::string_view field) {
 
 Error csv_error(int line, std::string what) { return Error{ErrorCode::kCorrupt, std::move(what)}.at(fmt::format("line {}", line)); }
 
-Result<Spectrum> curve_from_csv(std::string_view text, std::string_view abscissa) {
+Result<Spectrum> curve_from_csv(std::string_view text, std::string_view abscissa, std::string_view example) {
     std::vector<double> nm, factor;
     bool first = true;
     for (const CsvRow& row : csv_rows(text)) {
         if (std::exchange(first, false) && !csv_number(row.fields[0])) continue;  // the line of column names
         const auto x = csv_number(row.fields[0]), y = csv_number(row.fields.back());
         if (row.fields.size() != 2 || !x || !y)
-            return csv_error(row.line, fmt::format("not a {} and a factor, two numbers", abscissa));
+            return csv_error(row.line, fmt::format("not a {} and a factor, as in {}", abscissa, example));
         if (*y < 0) return csv_error(row.line, fmt::format("a factor cannot be negative: {}", row.fields[1]));
         if (!nm.empty() && *x <= nm.back())
             return csv_error(row.line, fmt::format("{}s must increase, but {} follows {}; sort the rows", abscissa, *x, nm.back()));

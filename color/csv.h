@@ -24,7 +24,9 @@ std::optional<double> csv_number(std::string_view field);
 Error csv_error(int line, std::string what);
 
 // Rows of wavelength [nm] and factor; one line of column names may come first. Wavelengths strictly increase, factors are not
-// negative; the end values go on for ever. Errors: kCorrupt, "line 12: ..."; kOutOfRange.
-Result<Spectrum> curve_from_csv(std::string_view text, std::string_view abscissa = "wavelength");
+// negative; the end values go on for ever. `abscissa` and `example` are for messages about tables of something else. Errors:
+// kCorrupt, "line 12: ..."; kOutOfRange.
+Result<Spectrum> curve_from_csv(std::string_view text, std::string_view abscissa = "wavelength",
+                                std::string_view example = "550,0.8");
 
 }  // namespace latent::color

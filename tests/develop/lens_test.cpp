@@ -50,6 +50,15 @@ Records records_of(const Job& job, sampledb::SampleRange range, const synthetic:
     return records;
 }
 
+// Within so many tolerances of each value.
+void expect_near(const Developed& developed, const std::vector<ReferencePixel>& expected, double tolerances) {
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c)
+            ASSERT_NEAR(static_cast<double>(developed.picture.pixels()[3 * i + c]), expected[i].value[c],
+                        tolerances * expected[i].tolerance[c]);
+    }
+}
+
 MemoryRunSet runs_with_lens(const synthetic::Scene& scene, int runs = 4, std::uint64_t per_run = 4096) {
     const Job job = job_with_lens();
     return make_runs(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range, scene); });
@@ -169,12 +178,7 @@ TEST(Lens, APictureOfAPartIsThatOfItsRecords) {
         SCOPED_TRACE(filter);
         const Settings settings = settings_for(12, 8, filter);
         const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {}, lens);
-        const std::vector<ReferencePixel> expected = reference(job, records, range.size(), settings);
-        for (std::size_t i = 0; i < expected.size(); ++i) {
-            for (std::size_t c = 0; c < 3; ++c)
-                EXPECT_NEAR(static_cast<double>(developed.picture.pixels()[3 * i + c]), expected[i].value[c],
-                            8 * expected[i].tolerance[c]);
-        }
+        expect_near(developed, reference(job, records, range.size(), settings), 8);
     }
 }
 
@@ -288,12 +292,7 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
     }
     for (const Settings& settings : {settings_for(24, 16), settings_for(72, 48)}) {  // one cell, and four
         const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings, 2, nullptr, {}, lens);
-        const std::vector<ReferencePixel> expected = reference(job, moved, range.size(), settings);
-        for (std::size_t i = 0; i < expected.size(); ++i) {
-            for (std::size_t c = 0; c < 3; ++c)
-                ASSERT_NEAR(static_cast<double>(developed.picture.pixels()[3 * i + c]), expected[i].value[c],
-                            4 * expected[i].tolerance[c]);
-        }
+        expect_near(developed, reference(job, moved, range.size(), settings), 4);
     }
 }
 

@@ -146,7 +146,8 @@ Result<Glare> parse_glare(std::string_view text) {
         } else if (glare.eye && named->name == "age") {
             if (!take(glare.age, 0, 100)) return is_not(part, "an age, 0 to 100 years (try age:70)");
         } else if (glare.eye && named->name == "field") {
-            if (!take(glare.field.degrees, FieldOfView::kMin, FieldOfView::kMax))
+            glare.field.degrees = number;
+            if (named->numbers.size() != 1 || !glare.field.is_possible())
                 return is_not(part, fmt::format("a field of view, {:g} to {:g} degrees (try field:40)", FieldOfView::kMin,
                                                 FieldOfView::kMax));
         } else if (glare.eye) {

@@ -53,12 +53,11 @@ class LeadingBytes {
     std::size_t width_ = 1;
     const std::byte* first_ = nullptr;
 };
-inline std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) { return LeadingBytes(column)[row]; }
 
 // The middle of a cell of the lens, along x or y of the unit disk.
 inline double middle_of_cell(std::size_t cell) { return (static_cast<double>(cell) + 0.5) / 128 - 1; }
 inline std::array<double, 2> lens_point(const sampledb::Page& page, const std::array<std::size_t, 2>& columns, std::size_t row) {
-    const auto along = [&](std::size_t column) { return middle_of_cell(leading_byte(page.extra[column], row)); };
+    const auto along = [&](std::size_t column) { return middle_of_cell(LeadingBytes(page.extra[column])[row]); };
     return {along(columns[0]), along(columns[1])};
 }
 

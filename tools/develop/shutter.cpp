@@ -28,7 +28,7 @@ Result<Transmission> transmission_of(const std::string& curve) {
     if (curve == "film") return Transmission([](double t) { return std::min(1.0, 8 * std::min(t, 1 - t)); });
     const Result<std::string> text = read_small_file(curve, kMaxShutterFile, "a shutter's curve");
     if (!text) return text.error();
-    const Result<color::Spectrum> table = color::curve_from_csv(*text, "time");
+    const Result<color::Spectrum> table = color::curve_from_csv(*text, "time", "0.5,0.8");
     if (!table) return table.error().at(curve);
     if (table->lambda_nm().front() < 0 || table->lambda_nm().back() > 1)
         return Error{ErrorCode::kOutOfRange, "times are 0 to 1, from the beginning to the end of the exposure"}.at(curve);
