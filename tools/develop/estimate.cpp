@@ -41,7 +41,7 @@ CostMeter::CostMeter() : begin_(now()) {}
 Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial) {
-    constexpr double kMaxGrowth = 8;
+    constexpr double kMaxGrowth = 4;
     constexpr std::size_t kRepeats = 3;
     LinearCost cost;
     Tried first, last;
@@ -52,7 +52,7 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         cost.spent = cost.spent + tried->cost;
         repeated.push_back(*tried);
         std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
-        last = repeated[repeated.size() / 2];
+        last = repeated[(repeated.size() - 1) / 2];  // of two the second, as a rule: memory is new at first
         cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
         if (last.amount > first.amount && first.amount > 0) {
             const Cost slope = (last.cost - first.cost) * (1 / (last.amount - first.amount));

@@ -50,10 +50,10 @@ struct LinearCost {
     Cost of(double amount) const { return fixed + each * amount; }
 };
 
-// Tries `least`, then more: each amount is up to eight times the last, and at most `most`. Ends after about `seconds`, or when an
+// Tries `least`, then more: each amount is up to four times the last, and at most `most`. Ends after about `seconds`, or when an
 // amount costs `enough` seconds of CPU time more than the first. The last amount is repeated, up to three times, and the median
-// counts. `least` is tried in any case; if there was no time for more, all of its cost is taken to be that of its amount. Errors:
-// those of `trial`.
+// counts, or the cheaper of two. `least` is tried in any case; if there was no time for more, all of its cost is taken to be that
+// of its amount. Errors: those of `trial`.
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
