@@ -90,8 +90,8 @@ class Names(FarmTest):
     @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
     def test_parallel_makes_all_frames_over_ssh(self):
         (self.folder / "bin").mkdir()
-        ssh = self.folder / "bin/ssh"  # HOST COMMAND, as the shell over there reads it
-        ssh.write_text('#!/bin/sh\nwhile [ "$1" != -- ]; do shift; done\nshift\ncd / && exec sh -c "$*"\n')
+        ssh = self.folder / "bin/ssh"  # HOST COMMAND, as the login shell over there reads it; sshd sets SHELL, which parallel needs
+        ssh.write_text('#!/bin/sh\nwhile [ "$1" != -- ]; do shift; done\nshift\ncd / && SHELL=/bin/sh exec sh -c "$*"\n')
         ssh.chmod(0o755)
         hosts = self.folder / "bin/hosts {= system(qq{touch hacked}) =}"
         hosts.write_text(f"{ssh} there\n")

@@ -44,7 +44,7 @@ class FarmTest(unittest.TestCase):
 
     def succeed(self, *command, status=0, **settings):
         done = run(*command, **settings)
-        self.assertEqual(done.returncode, status, f"{done.stdout}{done.stderr[-3000:]}\n{command}")
+        self.assertEqual(done.returncode, status, f"{done.stderr[-3000:]}\n{done.stdout[-3000:]}\n{command}")
         return done
 
     def fail_with(self, text, *command, status=1, **settings):
