@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
         if (!index) return give_up(index.error().message);
         for (const sampledb::PageInfo& page : **index) pages.emplace_back(run, page);
     }
-    const sampledb::ColumnSet columns{.samples = false, .extra = false};
+    const sampledb::ColumnSet columns{.samples = false, .extra = {}};
     struct Worker {
         sampledb::PageDecoder decoder;
         sampledb::Page page;

@@ -83,7 +83,7 @@ Result<RecordSelection> selection_from(const latent_selection& given, uint32_t c
     selection.columns.positions = (columns & LATENT_POSITIONS) != 0;
     selection.columns.values = (columns & (LATENT_VALUES | LATENT_WAVELENGTHS)) != 0;
     selection.columns.share = (columns & LATENT_SHARES) != 0;
-    selection.columns.extra = (columns & LATENT_EXTRA) != 0;
+    if ((columns & LATENT_EXTRA) == 0) selection.columns.extra.reset();
     if (given.classes > 2) return Error{ErrorCode::kOutOfRange, "selection.classes is not 0, 1 or 2"};
     selection.camera = given.classes != 2;
     selection.light = given.classes != 1;

@@ -167,7 +167,8 @@ class PageDecoder::Decoding {
     Status extra() {
         page_.extra = extra_columns(job_);
         before_.extra.resize(job_.extra.size());
-        for (std::size_t i = 0; wanted_.extra && i < job_.extra.size(); ++i) {
+        for (std::size_t i = 0; i < job_.extra.size(); ++i) {
+            if (!wanted_.extra[i]) continue;
             const ColumnEntry& entry = entry_of(extra_number(i));
             ExtraColumn& column = page_.extra[i];
             const std::size_t bytes = width(column.type);

@@ -114,7 +114,7 @@ void join_planes(std::span<const ByteSpan> planes, std::span<std::byte> values) 
     const std::size_t value_width = planes.size();
     const std::size_t n = values.size() / value_width;
     if (value_width == 1 && planes[0].size() == n) {
-        std::ranges::copy(planes[0], values.begin());
+        std::copy_n(planes[0].data(), n, values.data());
         return;
     }
     for (std::size_t i = value_width == 4 ? join_four(planes, values) : 0; i < n; ++i) {

@@ -2,6 +2,7 @@
 // Whatever treats all columns alike loops over this table. docs/format.md, "Page".
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -9,6 +10,8 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "sampledb/data/limits.h"
 
 namespace latent::sampledb {
 
@@ -41,13 +44,17 @@ struct Columns {
     std::vector<ExtraColumn> extra;  // as the job names them, in its order
 };
 
+// Some of a job's extra columns, by their places in its list.
+using ExtraSet = std::bitset<kMaxExtraColumns>;
+inline const ExtraSet kAllExtra = ~ExtraSet();
+
 // Which columns a reader needs; the others stay empty and cost nothing.
 struct ColumnSet {
     bool samples = true;
     bool positions = true;
     bool values = true;  // x,y,z or pairs, power, xi, index, lambda_nm
     bool share = true;
-    bool extra = true;
+    ExtraSet extra = kAllExtra;
 };
 
 enum class Column : std::uint8_t {  // numbers in the file

@@ -143,7 +143,8 @@ bool run_page(ByteSpan bytes) {
     ColumnSet columns;
     columns.samples = (front.columns & 1) != 0, columns.positions = (front.columns & 2) != 0,
     columns.values = (front.columns & 4) != 0;
-    columns.share = (front.columns & 8) != 0, columns.extra = (front.columns & 16) != 0;
+    columns.share = (front.columns & 8) != 0;
+    if ((front.columns & 16) == 0) columns.extra.reset();
     std::vector<ColumnEntry> table;
     (void)read_table(job, info, stored, table);
     info.content_hash = content_hash(table);  // what refuses other hashes was seen

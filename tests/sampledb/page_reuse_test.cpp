@@ -73,7 +73,7 @@ void expect_same(const Page& used, const Page& fresh) {
 }
 
 TEST(PageReuse, APageThatWasUsedDecodesAsANewOneWhateverItHeld) {
-    const ColumnSet all, values{.samples = true, .positions = false, .share = false, .extra = false},
+    const ColumnSet all, values{.samples = true, .positions = false, .share = false, .extra = {}},
         positions{.samples = false, .values = false};
     PageDecoder decoder;
     for (const Job& first : jobs()) {

@@ -329,12 +329,14 @@ TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {
         for (const PageInfo& info : index->pages) {
             const ByteSpan stored = ByteSpan(run).subspan(info.offset, info.stored_size);
             ASSERT_TRUE(decoder.decode(job, info, stored, ColumnSet{}, all));
-            for (unsigned wanted = 0; wanted < 32; ++wanted) {
+            for (unsigned wanted = 0; wanted < 64; ++wanted) {
+                ExtraSet extra = (wanted & 16) != 0 ? kAllExtra : ExtraSet();
+                extra.set(0, (wanted & 32) != 0);
                 const ColumnSet columns{.samples = (wanted & 1) != 0,
                                         .positions = (wanted & 2) != 0,
                                         .values = (wanted & 4) != 0,
                                         .share = (wanted & 8) != 0,
-                                        .extra = (wanted & 16) != 0};
+                                        .extra = extra};
                 ASSERT_TRUE(decoder.decode(job, info, stored, columns, some));
                 const auto expect = [&](bool is_wanted, const auto& column, const auto& of_all, std::size_t count) {
                     const std::size_t expected = is_wanted && !of_all.empty() ? count : 0;
@@ -357,7 +359,8 @@ TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {
                 expect(columns.values, some.lambda_nm, all.lambda_nm, info.pair_count);
                 ASSERT_EQ(some.extra.size(), job.extra.size());
                 for (std::size_t i = 0; i < job.extra.size(); ++i) {
-                    expect(columns.extra, some.extra[i].values, all.extra[i].values, info.record_count * width(job.extra[i].type));
+                    expect(columns.extra[i], some.extra[i].values, all.extra[i].values,
+                           info.record_count * width(job.extra[i].type));
                 }
             }
         }

@@ -48,10 +48,12 @@ Result<AovColumns> AovColumns::find(const sampledb::Job& job, const Layers& laye
     const auto place = [&](bool wanted, const char* layer, const char* name, Place& to) {
         if (!wanted || !status) return;
         const auto found = std::ranges::find(job.extra, name, &sampledb::ExtraColumnSpec::name);
-        to = static_cast<Place>(found - job.extra.begin());
-        if (found == job.extra.end())
+        if (found == job.extra.end()) {
             status = usage_error(
                 fmt::format("--layers {0}: the files have no column {1}; render the scene with --aov {0}", layer, name));
+        } else {
+            columns.columns_.set(to = static_cast<Place>(found - job.extra.begin()));
+        }
     };
     const auto place_vector = [&](bool wanted, const char* layer, std::array<Place, 3>& to) {
         for (std::size_t i = 0; i < 3; ++i) place(wanted, layer, fmt::format("{}.{}", layer, "xyz"[i]).c_str(), to[i]);
@@ -62,12 +64,13 @@ Result<AovColumns> AovColumns::find(const sampledb::Job& job, const Layers& laye
     place_vector(layers.position, "position", columns.position_);
     place(layers.id, "id", "object", columns.object_);
     place(layers.id, "id", "material", columns.material_);
+    if (!status) return status.error();
     for (const std::string& name : layers.columns) {
         const auto found = std::ranges::find(job.extra, name, &sampledb::ExtraColumnSpec::name);
-        if (found == job.extra.end() && status) status = unknown_layer(job, name);
+        if (found == job.extra.end()) return unknown_layer(job, name);
         columns.others_.push_back(static_cast<Place>(found - job.extra.begin()));
+        columns.columns_.set(columns.others_.back());
     }
-    if (!status) return status.error();
     return columns;
 }
 

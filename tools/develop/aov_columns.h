@@ -18,6 +18,8 @@ class AovColumns {
     // The columns that these layers need. Errors: kUsage: the job has none of that name.
     static Result<AovColumns> find(const sampledb::Job& job, const Layers& layers);
 
+    const sampledb::ExtraSet& columns() const { return columns_; }
+
     // Fills the entries of a camera record's row: means of layers are over shares. Values that are not finite are nothing.
     void fill(const sampledb::Page& page, std::size_t row, float share, const RowLayout& layout, float* out) const;
 
@@ -26,6 +28,7 @@ class AovColumns {
     std::array<Place, 3> albedo_{}, normal_{}, position_{};
     Place depth_ = 0, object_ = 0, material_ = 0;
     std::vector<Place> others_;
+    sampledb::ExtraSet columns_;  // all of these
 };
 
 }  // namespace latent::develop

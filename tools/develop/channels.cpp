@@ -126,8 +126,10 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const Spectra
 }
 
 sampledb::ColumnSet Channels::columns() const {
-    return {.samples = layout_.layers.by_sample() || layout_.layers.halves,
-            .extra = group_column_.has_value() || layout_.layers.aovs() || lens_.has_value()};
+    sampledb::ExtraSet extra = aovs_.columns();
+    if (group_column_) extra.set(*group_column_);
+    if (lens_) extra |= lens_->columns();
+    return {.samples = layout_.layers.by_sample() || layout_.layers.halves, .extra = extra};
 }
 
 const Channels::GroupLight& Channels::light_of(const sampledb::Page& page, std::size_t row) const {
@@ -197,18 +199,19 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     const int step = stride(), n = count();
     float* const rows = out;
     thread_local LensWeights::Factors factors;
-    if (lens_) lens_->factors(page, begin, end, factors);
+    const bool weighed = lens_ && lens_->weighs(page.record_class);
+    if (weighed) lens_->factors(page, begin, end, factors);
     if (step == 4 && !layout_.layers.samples && !group_column_ && kind_ == sampledb::RecordKind::kXyz &&
         (!camera || page.unit_share) &&
         interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f,
-                        lens_ ? RowFactors{factors.value.data(), factors.share.data()} : RowFactors{}, out))
+                        weighed ? RowFactors{factors.value.data(), factors.share.data()} : RowFactors{}, out))
         return 0;
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
         std::fill(out, out + step, 0.0f);
-        const float lens_value = lens_ ? factors.value[row - begin] : 1;
+        const float lens_value = weighed ? factors.value[row - begin] : 1;
         if (lens_value == 0) continue;
-        float share = sampledb::share_of(page, row) * (lens_ ? factors.share[row - begin] : 1);
+        float share = sampledb::share_of(page, row) * (weighed ? factors.share[row - begin] : 1);
         const GroupLight& light = light_of(page, row);
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];

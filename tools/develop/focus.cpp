@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/bytes.h"
 #include "base/parse.h"
@@ -20,10 +21,11 @@ constexpr std::size_t kEnoughRecords = 256;  // for a median
 }  // namespace
 
 Result<Focus> parse_focus(std::string_view text) {
+    if (text == "infinity") return Focus{std::numeric_limits<double>::infinity()};
     const auto numbers = parse_numbers(text);
     if (numbers && numbers->size() == 1 && (*numbers)[0] > 0) return Focus{(*numbers)[0]};
     if (numbers && numbers->size() == 2) return Focus{0, std::array{(*numbers)[0], (*numbers)[1]}};
-    return is_not(text, "a distance above 0, or a pixel (try 4.5, or 120,80)");
+    return is_not(text, "a distance above 0, or a pixel (try 4.5, infinity, or 120,80)");
 }
 
 Result<double> distance_at(const sampledb::RunSet& run_set, const RecordedLens& lens, const std::array<double, 2>& pixel,
@@ -49,6 +51,8 @@ Result<double> distance_at(const sampledb::RunSet& run_set, const RecordedLens& 
         return page.record_class == sampledb::RecordClass::kCamera && along(page.node.x, 0) && along(page.node.y, 1);
     };
     const auto columns = lens_columns(run_set.job());
+    const sampledb::ColumnSet wanted{
+        .values = false, .share = false, .extra = sampledb::ExtraSet().set(*depth).set((*columns)[0]).set((*columns)[1])};
     std::vector<double> distances;
     sampledb::PageDecoder decoder;
     sampledb::Page page;
@@ -57,7 +61,7 @@ Result<double> distance_at(const sampledb::RunSet& run_set, const RecordedLens& 
         if (!pages) return pages.error();
         for (const sampledb::PageInfo& info : **pages) {
             if (!reaches(info)) continue;
-            if (Status s = run_set.read_page(run, info, {.values = false, .share = false}, decoder, page); !s) return s.error();
+            if (Status s = run_set.read_page(run, info, wanted, decoder, page); !s) return s.error();
             for (std::size_t row = 0; row < page.count; ++row) {
                 const auto its_depth = static_cast<double>(load_le<float>(page.extra[*depth].values.data() + 4 * row));
                 if (!is_near(page.u[row], 0) || !is_near(page.v[row], 1) || !(its_depth > 0)) continue;

@@ -16,7 +16,7 @@ struct Focus {
     double distance = 0;                              // along the camera's z, in the units of the scene
     std::optional<std::array<double, 2>> pixel = {};  // or that of the surface which is seen there
 };
-// "4.5", or "120,80". Errors: kUsage.
+// "4.5", "infinity", or "120,80". Errors: kUsage.
 Result<Focus> parse_focus(std::string_view text);
 
 // The median distance of what camera records around a pixel of a picture of that size see; infinite for the sky. Errors: kUsage (no

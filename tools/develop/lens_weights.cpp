@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "tools/develop/lens_columns.h"
-
 namespace latent::develop {
 
 namespace {
@@ -145,17 +143,11 @@ void LensWeights::set_focus(const std::array<double, 2>& film_shift) {
     }
 }
 
-void LensWeights::move(sampledb::Page& page, std::vector<std::uint32_t>& rows) const {
-    const LeadingBytes x(page.extra[(*lens_columns_)[0]]), y(page.extra[(*lens_columns_)[1]]);
-    rows.resize(page.count);
-    std::size_t kept = 0;
-    for (std::size_t row = 0; row < page.count; ++row) {
-        const std::int64_t u = page.u[row] + moves_[0][x[row]], v = page.v[row] + moves_[1][y[row]];
-        if (((u | v) >> 32) != 0) continue;  // below 0, or beyond 1
-        page.u[row] = static_cast<std::uint32_t>(u), page.v[row] = static_cast<std::uint32_t>(v);
-        rows[kept++] = static_cast<std::uint32_t>(row);
-    }
-    rows.resize(kept);
+sampledb::ExtraSet LensWeights::columns() const {
+    sampledb::ExtraSet columns;
+    if (lens_columns_) columns.set((*lens_columns_)[0]).set((*lens_columns_)[1]);
+    if (time_column_) columns.set(*time_column_);
+    return columns;
 }
 
 // Of a row of cells: half of the rear rim's chord, and from where to where it lets light pass. That rim is the unit circle moved

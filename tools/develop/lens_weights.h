@@ -14,6 +14,7 @@
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "tools/develop/aperture.h"
+#include "tools/develop/lens_columns.h"
 #include "tools/develop/shutter.h"
 
 namespace latent::develop {
@@ -51,6 +52,13 @@ class LensWeights {
     // Errors: kUsage: the job lacks the columns, or the choice lets no light through; of the shutter's file.
     static Result<LensWeights> make(const sampledb::Job& job, const LensChoice& choice);
 
+    // Those that the functions below read.
+    sampledb::ExtraSet columns() const;
+
+    // Whether any record of a class may have another factor than 1.
+    bool weighs(sampledb::RecordClass record_class) const {
+        return record_class == sampledb::RecordClass::kLight || !cells_.empty() || time_column_ || follows_;
+    }
     // What the values and the shares of rows are multiplied by; the share of a light record is 0.
     struct Factors {
         std::vector<float> value, share;
@@ -62,9 +70,19 @@ class LensWeights {
 
     // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
     bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
-    // Moves each record to (u, v) + the film's shift x its point of the lens. `rows`: those that are still on the film; the others
-    // stay where they are.
-    void move(sampledb::Page& page, std::vector<std::uint32_t>& rows) const;
+    // Where the records of a page meet the film: u and v, in units of 2^-32, and the film's shift x their points of the lens. That
+    // may be below 0 or beyond 1.
+    class Shifts {
+     public:
+        Shifts(const LensWeights& weights, const sampledb::Page& page)
+            : moves_(weights.moves_), x_(page.extra[(*weights.lens_columns_)[0]]), y_(page.extra[(*weights.lens_columns_)[1]]) {}
+        std::int64_t u(std::size_t row, std::uint32_t from) const { return from + moves_[0][x_[row]]; }
+        std::int64_t v(std::size_t row, std::uint32_t from) const { return from + moves_[1][y_[row]]; }
+
+     private:
+        const std::array<std::array<std::int64_t, kLensCells>, 2>& moves_;
+        LeadingBytes x_, y_;
+    };
 
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.

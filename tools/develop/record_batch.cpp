@@ -5,9 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <numeric>
 #include <utility>
 
 #include "base/first_error.h"
@@ -22,7 +20,6 @@ constexpr std::uint64_t kAlignment = 64;        // of arrays
 constexpr std::size_t kPagesPerThread = 4;      // in work at once
 constexpr std::uint64_t kReadAhead = 8 << 20;   // bytes of pages that are on their way from disk
 constexpr std::uint64_t kReadAtOnce = 1 << 20;  // neighbours are announced together
-constexpr int kRowBits = 16;                    // of the number of a row in its page
 constexpr std::uint64_t kPageBytes = 96;        // of a page's reference and of what is kept of it while a batch is loaded
 
 // Takes an array off the front of memory.
@@ -81,20 +78,25 @@ void segments_in_order(std::span<const RecordBatch* const> batches, const PageRa
 std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
     const std::uint64_t pieces = pieces_at_most(page, cells);
     if (pieces == 0) return 0;
-    return kPageBytes + page.record_count * record_bytes() + pieces * (sizeof(Segment) + sizeof(SlotRows));
+    const PixelRect sorted = moves_records() ? reached(page, cells) : PixelRect{};
+    return kPageBytes + page.record_count * record_bytes() + pieces * (sizeof(Segment) + sizeof(SlotRows)) +
+           static_cast<std::uint64_t>(sorted.width() * sorted.height()) * sizeof(std::uint32_t);
+}
+
+PixelRect Loader::reached(const sampledb::PageInfo& page, const PixelRect& cells) const {
+    return intersection(grid_.cells_of(page.node, page.part), cells);
 }
 
 std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
-    const PixelRect common = intersection(grid_.cells_of(page.node, page.part), cells);
+    const PixelRect common = reached(page, cells);
     if (common.empty()) return 0;
     if (grid_.level() > kSortedLevels) return page.record_count;
     return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
 }
 
 std::uint64_t Loader::thread_bytes() const {
-    if (!channels_.lens() || !channels_.lens()->moves_records()) return 0;
-    return sampledb::max_page_records(run_set_.job()) *
-           (sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t) + stride_ * sizeof(float));
+    if (!moves_records()) return 0;
+    return sampledb::max_page_records(run_set_.job()) * (sizeof(std::uint32_t) + stride_ * sizeof(float));
 }
 
 std::uint64_t Loader::index_bytes(const PixelRect& cells) {
@@ -223,56 +225,62 @@ void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells
     cells.push_back(current);
 }
 
-// Moves the rows of a page, whose cells are then in any order: `cells` are ranges of `moved.keys`. A radix sort, which keeps the
-// order of rows within a cell.
-void Loader::move_rows(sampledb::Page& page, const PixelRect& wanted, MovedRows& moved, std::vector<CellRows>& cells) const {
+// Moves the rows of a page, and counts those of each cell: rows come in any order of cells. The positions of rows elsewhere mean
+// nothing.
+void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellRows>& cells) const {
     cells.clear();
-    channels_.lens()->move(page, moved.on_film);
-    if (wanted.empty()) return;
-    const auto x0 = static_cast<std::uint32_t>(wanted.x0), y0 = static_cast<std::uint32_t>(wanted.y0);
-    const auto width = static_cast<std::uint64_t>(wanted.width()), height = static_cast<std::uint64_t>(wanted.height());
-    moved.keys.resize(moved.on_film.size());
-    std::size_t count = 0;
-    for (const std::uint32_t row : moved.on_film) {
-        const std::uint32_t x = grid_.cell_of(page.u[row]) - x0, y = grid_.cell_of(page.v[row]) - y0;
-        if (x < width && y < height) moved.keys[count++] = (y * width + x) << kRowBits | row;
+    const std::uint32_t elsewhere = moved.elsewhere();
+    moved.cell.resize(page.count);
+    moved.begin.assign(elsewhere + 2, 0);
+    std::uint32_t* const u = page.u.data();
+    std::uint32_t* const v = page.v.data();
+    std::uint32_t* const its_cell = moved.cell.data();
+    std::uint32_t* const count = moved.begin.data() + 1;
+    const LensWeights::Shifts shifts(*channels_.lens(), page);
+    const std::int64_t x0 = moved.wanted.x0, y0 = moved.wanted.y0;
+    const auto width = static_cast<std::uint64_t>(moved.wanted.width()), height = static_cast<std::uint64_t>(moved.wanted.height());
+    const int bits_in_cell = 32 - grid_.level();
+    for (std::size_t row = 0; row < page.count; ++row) {
+        const std::int64_t new_u = shifts.u(row, u[row]), new_v = shifts.v(row, v[row]);
+        u[row] = static_cast<std::uint32_t>(new_u), v[row] = static_cast<std::uint32_t>(new_v);
+        const auto x = static_cast<std::uint64_t>((new_u >> bits_in_cell) - x0);  // huge if it is to the left
+        const auto y = static_cast<std::uint64_t>((new_v >> bits_in_cell) - y0);
+        its_cell[row] = x < width && y < height ? static_cast<std::uint32_t>(y * width + x) : elsewhere;
+        ++count[its_cell[row]];
     }
-    moved.keys.resize(count);
-    constexpr int kDigitBits = 8;
-    for (int shift = kRowBits; (width * height - 1) >> (shift - kRowBits) != 0; shift += kDigitBits) {
-        const auto digit = [shift](std::uint64_t key) { return key >> shift & ((1 << kDigitBits) - 1); };
-        std::array<std::uint32_t, (1 << kDigitBits) + 1> begin{};
-        for (const std::uint64_t key : moved.keys) ++begin[digit(key) + 1];
-        std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        moved.other_keys.resize(moved.keys.size());
-        for (const std::uint64_t key : moved.keys) moved.other_keys[begin[digit(key)]++] = key;
-        std::swap(moved.keys, moved.other_keys);
-    }
-    for (std::size_t first = 0, next = 0; first < moved.keys.size(); first = next) {
-        const std::uint64_t cell = moved.keys[first] >> kRowBits;
-        while (next < moved.keys.size() && moved.keys[next] >> kRowBits == cell) ++next;
-        cells.push_back({x0 + static_cast<std::uint32_t>(cell % width), y0 + static_cast<std::uint32_t>(cell / width),
-                         static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(next - first)});
+    const auto its_x = [&](std::uint32_t cell) {
+        return static_cast<std::uint32_t>(moved.wanted.x0 + cell % moved.wanted.width());
+    };
+    const auto its_y = [&](std::uint32_t cell) {
+        return static_cast<std::uint32_t>(moved.wanted.y0 + cell / moved.wanted.width());
+    };
+    std::uint32_t end = 0;
+    for (std::uint32_t cell = 0; cell < elsewhere; ++cell) {
+        moved.begin[cell] = end;
+        if (count[cell] == 0) continue;
+        cells.push_back({its_x(cell), its_y(cell), end, count[cell]});
+        end += count[cell];
     }
 }
 
-void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
-    place_rows(grid_.place_x(rows.cell_x), std::span(page.u).subspan(rows.first, rows.count), filling.x + to);
-    place_rows(grid_.place_y(rows.cell_y), std::span(page.v).subspan(rows.first, rows.count), filling.y + to);
-    count_not_finite(channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * stride_), page,
-                     filling);
-}
-
+// A counting sort, which keeps the order of rows within a cell: `moved.begin` is where the next row of a cell goes. x and y are
+// positions on the film.
 template <std::size_t kStride>
-void Loader::copy_moved_rows(const sampledb::Page& page, const MovedRows& moved, const CellRows& rows, const Filling& filling,
-                             std::uint32_t to) const {
+void Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, float* values, std::uint32_t* x,
+                             std::uint32_t* y) const {
     const std::size_t stride = kStride > 0 ? kStride : stride_;
-    const FilmGrid::Place place_x = grid_.place_x(rows.cell_x), place_y = grid_.place_y(rows.cell_y);
-    for (const std::uint64_t key : std::span(moved.keys).subspan(rows.first, rows.count)) {
-        const std::size_t row = key & ((1 << kRowBits) - 1);
-        filling.x[to] = place_x(page.u[row]), filling.y[to] = place_y(page.v[row]);
-        std::copy_n(moved.values.data() + row * stride, stride, filling.values + to * stride);
-        ++to;
+    const std::uint32_t elsewhere = moved.elsewhere();
+    const std::uint32_t* const u = page.u.data();
+    const std::uint32_t* const v = page.v.data();
+    const std::uint32_t* const cells = moved.cell.data();
+    const float* const from = moved.values.data();
+    std::uint32_t* const next = moved.begin.data();
+    for (std::size_t row = 0; row < page.count; ++row) {
+        const std::uint32_t cell = cells[row];
+        if (cell == elsewhere) continue;
+        const std::size_t to = next[cell]++;
+        x[to] = u[row], y[to] = v[row];
+        std::copy_n(from + row * stride, stride, values + to * stride);
     }
 }
 
@@ -280,9 +288,8 @@ void Loader::copy_moved_rows(const sampledb::Page& page, const MovedRows& moved,
 std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows& moved) const {
     std::vector<float> values(stride_);
     std::uint64_t count = 0;
-    for (const std::uint64_t key : moved.keys) {
-        const std::size_t row = key & ((1 << kRowBits) - 1);
-        count += channels_.values(page, row, row + 1, values.data());
+    for (std::size_t row = 0; row < page.count; ++row) {
+        if (moved.cell[row] != moved.elsewhere()) count += channels_.values(page, row, row + 1, values.data());
     }
     return count;
 }
@@ -315,9 +322,9 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     ++counts_.pages;
     counts_.bytes += ref.info.stored_size;
     const LensWeights* const lens = channels_.lens() ? &*channels_.lens() : nullptr;
-    const bool moves = lens != nullptr && lens->moves_records();
-    if (moves) {
-        move_rows(page, intersection(grid_.cells_of(ref.info.node, ref.info.part), filling.cells), worker.moved, cells);
+    if (moves_records()) {
+        worker.moved.wanted = reached(ref.info, filling.cells);
+        move_rows(page, worker.moved, cells);
         worker.moved.values.resize(page.count * stride_);
         if (channels_.values(page, 0, page.count, worker.moved.values.data()) > 0)
             count_not_finite(not_finite_of(page, worker.moved), page, filling);
@@ -334,14 +341,22 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
         (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_records : counts_.light_records) += count;
     std::uint32_t to = filling.row_count.fetch_add(count);
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
+    if (moves_records()) {
+        const auto sort = stride_ == 4 ? &Loader::sort_moved_rows<4> : &Loader::sort_moved_rows<0>;
+        (this->*sort)(page, worker.moved, filling.values + to * stride_, filling.x + to, filling.y + to);
+    }
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellRows& rows = cells[i];
-        if (moves && stride_ == 4) {
-            copy_moved_rows<4>(page, worker.moved, rows, filling, to);
-        } else if (moves) {
-            copy_moved_rows<0>(page, worker.moved, rows, filling, to);
-        } else {
-            copy_rows(page, rows, filling, to);
+        const auto place = [&](const FilmGrid::Place& of, const std::vector<std::uint32_t>& positions, std::uint32_t* places) {
+            const std::uint32_t* const from = moves_records() ? places : positions.data() + rows.first;
+            place_rows(of, {from, rows.count}, places);
+        };
+        place(grid_.place_x(rows.cell_x), page.u, filling.x + to);
+        place(grid_.place_y(rows.cell_y), page.v, filling.y + to);
+        if (!moves_records()) {
+            const std::size_t first = rows.first;
+            const std::uint64_t not_finite = channels_.values(page, first, first + rows.count, filling.values + to * stride_);
+            count_not_finite(not_finite, page, filling);
         }
         std::uint32_t left = rows.count;
         if (lens != nullptr && lens->leaves_records_out()) {

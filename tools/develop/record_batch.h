@@ -80,11 +80,13 @@ class Loader {
         std::uint32_t slot, first, count;
     };
     struct Filling;
-    // A page whose records a lens has moved.
+    // Where the rows of a page go whose records a lens has moved.
     struct MovedRows {
-        std::vector<std::uint32_t> on_film;           // rows that are still on the film
-        std::vector<std::uint64_t> keys, other_keys;  // cell << 16 | row, of the rows in cells that are wanted, by cell
-        std::vector<float> values;                    // of all rows
+        PixelRect wanted;                  // cells, numbered row by row
+        std::vector<std::uint32_t> cell;   // of each row; that behind the last for rows elsewhere
+        std::vector<std::uint32_t> begin;  // of each cell's rows among those that are wanted, and the end of the last
+        std::vector<float> values;         // of all rows
+        std::uint32_t elsewhere() const { return static_cast<std::uint32_t>(wanted.width() * wanted.height()); }
     };
     struct Worker {  // what a thread keeps from page to page
         sampledb::PageDecoder decoder;
@@ -93,17 +95,17 @@ class Loader {
         MovedRows moved;
     };
 
+    bool moves_records() const { return channels_.lens() && channels_.lens()->moves_records(); }
+    PixelRect reached(const sampledb::PageInfo& page, const PixelRect& cells) const;
     std::uint64_t pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     Status load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept);
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
-    void move_rows(sampledb::Page& page, const PixelRect& wanted, MovedRows& moved, std::vector<CellRows>& cells) const;
-    void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
+    void move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellRows>& cells) const;
     std::uint64_t not_finite_of(const sampledb::Page& page, const MovedRows& moved) const;
     void count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling);
     template <std::size_t kStride>  // if it is known; else 0
-    void copy_moved_rows(const sampledb::Page& page, const MovedRows& moved, const CellRows& rows, const Filling& filling,
-                         std::uint32_t to) const;
+    void sort_moved_rows(const sampledb::Page& page, MovedRows& moved, float* values, std::uint32_t* x, std::uint32_t* y) const;
     template <std::size_t kStride>
     std::uint32_t drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const;
     std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + stride_ * sizeof(float); }

@@ -56,7 +56,8 @@ std::string to_json(const PictureReport& r) {
                              {"warnings", r.warnings}};
     if (r.lens) {
         report["lens"] = {{"light", r.lens->light}, {"samples_kept", r.lens->samples}, {"noise", r.lens->noise()}};
-        if (r.lens->focus) report["lens"]["focus"] = *r.lens->focus;
+        if (r.lens->focus && std::isfinite(*r.lens->focus)) report["lens"]["focus"] = *r.lens->focus;
+        if (r.lens->focus && !std::isfinite(*r.lens->focus)) report["lens"]["focus"] = "infinity";
     }
     if (r.dims_fireflies) report["fireflies"] = {{"camera", json_of(c.camera_dimmed)}, {"light", json_of(c.light_dimmed)}};
     if (r.camera_fit) report["camera_fit"] = json_of(*r.camera_fit);
@@ -76,11 +77,13 @@ std::string to_text(const PictureReport& r) {
     if (r.coverage.size() < r.available)
         text += fmt::format("a preview of {:.2g} % of the samples\n",
                             100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));
-    if (r.lens && r.lens->focus) text += fmt::format("focused at a distance of {:.4g}\n", *r.lens->focus);
-    if (r.lens)
+    if (r.lens && r.lens->focus)
+        text += std::isfinite(*r.lens->focus) ? fmt::format("focused at a distance of {:.4g}\n", *r.lens->focus)
+                                              : "focused at infinity\n";
+    if (r.lens && (r.lens->light < 1 || r.lens->samples < 1))
         text += fmt::format(
-            "lens and shutter: {:.3g} % of the light; noise as from {:.3g} % of the samples, {:.2g} times that of all\n",
-            100 * r.lens->light, 100 * r.lens->samples, r.lens->noise());
+            "lens and shutter: {:.3g} % of the light; noise as from {:.3g} % of the samples, {:.{}f} times that of all\n",
+            100 * r.lens->light, 100 * r.lens->samples, r.lens->noise(), r.lens->noise() < 10 ? 1 : 0);
     if (r.dims_fireflies)
         text += fmt::format("fireflies: {} dimmed; the camera image lost {:.2g} % of its light, the light image {:.2g} %\n",
                             counted(c.camera_dimmed.samples + c.light_dimmed.samples, "sample"), 100 * c.camera_dimmed.share(),

@@ -76,7 +76,7 @@ Result<NpyRows> NpyRows::of(const Job& job, const std::vector<std::string>& name
         rows.columns_.positions |= s == Source::kU || s == Source::kV;
         rows.columns_.share |= s == Source::kShare;
         rows.columns_.values |= s >= Source::kX && s <= Source::kPower;
-        rows.columns_.extra |= s == Source::kExtra;
+        if (s == Source::kExtra) rows.columns_.extra.set(field.extra);
     }
     return rows;
 }

@@ -43,7 +43,7 @@ class NpyRows {
 
     const sampledb::Job* job_;
     std::vector<Field> fields_;
-    sampledb::ColumnSet columns_{false, false, false, false, false};
+    sampledb::ColumnSet columns_{false, false, false, false, {}};
     std::size_t row_bytes_ = 0;
     Bytes bytes_;
 };

@@ -104,8 +104,8 @@ Result<Violations> check_run_strictly(const ByteSource& source, std::size_t numb
     order.finish();
     const auto read_shares = [&](std::size_t i, Page& into) {
         return index->pages[i].record_class == RecordClass::kCamera
-                   ? read_page(source, index->pages[i], job, ColumnSet{.positions = false, .values = false, .extra = false},
-                               decoder, into)
+                   ? read_page(source, index->pages[i], job, ColumnSet{.positions = false, .values = false, .extra = {}}, decoder,
+                               into)
                    : Status{};
     };
     if (Status s = shares.finish(index->pages.size(), read_shares); !s) return s.error();
