@@ -45,14 +45,18 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
     constexpr std::size_t kRepeats = 3;
     LinearCost cost;
     Tried first, last;
-    std::vector<Tried> repeated;  // the last amount, cheapest first
+    std::vector<Tried> repeated;  // the last amount, the cheapest first
     for (double amount = std::min(least, most);;) {
         const Result<Tried> tried = trial(amount);
         if (!tried) return tried.error();
         cost.spent = cost.spent + tried->cost;
         repeated.push_back(*tried);
         std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
-        last = repeated[(repeated.size() - 1) / 2];  // of two the second, as a rule: memory is new at first
+        last = repeated[(repeated.size() - 1) / 2];
+        const double left = seconds - cost.spent.wall;
+        const bool is_first = first.amount == 0 || last.amount == first.amount;
+        const bool is_alone = repeated.size() == 1;  // its memory was new, which may cost as much again
+        if (is_alone && last.cost.wall < (is_first ? left / 10 : left)) continue;
         cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
         if (last.amount > first.amount && first.amount > 0) {
             const Cost slope = (last.cost - first.cost) * (1 / (last.amount - first.amount));
@@ -61,9 +65,8 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
             first = last;
         }
         cost.fixed = at_least(last.cost - cost.each * last.amount, {});
-        const double left = seconds - cost.spent.wall;
-        const bool is_first = last.amount == first.amount;  // a second amount is worth more than repeats
-        const double affordable = ((is_first ? left : left / kRepeats) - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
+        const double tries = is_first && is_alone ? 1.5 : kRepeats + 1;  // a second amount is worth more than repeats
+        const double affordable = (left / tries - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
         const double next = std::min({kMaxGrowth * amount, affordable, most});
         if (next > amount && next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
@@ -75,7 +78,7 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
 }
 
 double processor_share(int threads) {
-    constexpr double kSeconds = 0.2;
+    constexpr double kSeconds = 0.3;
     const CostMeter meter;
     const Stopwatch stopwatch;
     std::vector<std::jthread> all;

@@ -51,13 +51,13 @@ struct LinearCost {
 };
 
 // Tries `least`, then more: each amount is up to four times the last, and at most `most`. Ends after about `seconds`, or when an
-// amount costs `enough` seconds of CPU time more than the first. The last amount is repeated, up to three times, and the median
-// counts, or the cheaper of two. `least` is tried in any case; if there was no time for more, all of its cost is taken to be that
-// of its amount. Errors: those of `trial`.
+// amount costs `enough` seconds of CPU time more than the first. Amounts are tried twice if there is time, and the last one up to
+// three times; the cheaper counts, or the median. `least` is tried in any case; if there was no time for more, all of its cost is
+// taken to be that of its amount. Errors: those of `trial`.
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
-// computing for a fifth of a second.
+// computing for 0.3 s.
 double processor_share(int threads);
 
 // Seconds that pass when so many threads, with that share of a processor each, do what cost one thread `cost`.

@@ -111,7 +111,7 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 }  // namespace
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
-    constexpr double kSeconds = 1.4, kDecodeSeconds = 0.8, kEnough = 0.25;
+    constexpr double kSeconds = 1.4, kDecodeSeconds = 0.6, kEnough = 0.25;
     constexpr double kSmall = 1 << 16;  // pixels
     constexpr double kMinBytes = 1 << 22;
     constexpr double kPages = 36.0 * (1 << 16);                 // bytes of so many pages that few of them reach beyond a piece
@@ -136,7 +136,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     out.cost = bytes->of(decoded);
     if (small.width == picture.width) return out;
 
-    const double affordable = kEnough / 4 / std::max(bytes->each.cpu, 1e-12);  // bytes, in the least piece
+    const double affordable = kEnough / 6 / std::max(bytes->each.cpu, 1e-12);  // bytes, in the least piece
     TrialPicture piece = picture;
     piece.runs = static_cast<std::size_t>(std::clamp(affordable / kPages, 1.0, static_cast<double>(picture.runs)));
     const double bytes_of_pixel = run * static_cast<double>(piece.runs) / area(picture.crop);
