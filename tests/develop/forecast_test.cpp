@@ -41,6 +41,8 @@ TEST(Forecast, OnABusyMachineTimeIsThatOfTheProcessorsShareAndOfFiles) {
     EXPECT_DOUBLE_EQ(seconds_with({40, 10, 30}, 2, 0.25), 20);
     EXPECT_DOUBLE_EQ(seconds_with({44, 10, 30}, 2, 0.25), 24);
     EXPECT_DOUBLE_EQ(seconds_with({12, 10, 2.5}, 2, 0.25), 20);  // less busy during the trials
+    EXPECT_DOUBLE_EQ(seconds_with({14, 10, 0, 2}, 2, 0.5), 14);  // one thread writes meanwhile
+    EXPECT_DOUBLE_EQ(seconds_with({14, 10, 0, 7}, 2, 0.5), 18);  // all wait for the one that writes
     const double share = processor_share(2);
     EXPECT_GT(share, 0);
     EXPECT_LE(share, 1);

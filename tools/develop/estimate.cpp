@@ -31,10 +31,10 @@ Cost now() {
 }  // namespace
 
 Cost at_least(const Cost& a, const Cost& b) {
-    return {std::max(a.wall, b.wall), std::max(a.cpu, b.cpu), std::max(a.queued, b.queued)};
+    return {std::max(a.wall, b.wall), std::max(a.cpu, b.cpu), std::max(a.queued, b.queued), std::max(a.serial, b.serial)};
 }
 Cost at_most(const Cost& a, const Cost& b) {
-    return {std::min(a.wall, b.wall), std::min(a.cpu, b.cpu), std::min(a.queued, b.queued)};
+    return {std::min(a.wall, b.wall), std::min(a.cpu, b.cpu), std::min(a.queued, b.queued), std::min(a.serial, b.serial)};
 }
 
 CostMeter::CostMeter() : begin_(now()) {}
@@ -93,7 +93,9 @@ double processor_share(int threads) {
     return std::clamp(cost.cpu / (cost.wall * threads), 0.01, 1.0);
 }
 
-double seconds_with(const Cost& cost, int threads, double share) { return cost.cpu / (threads * share) + cost.waiting(); }
+double seconds_with(const Cost& cost, int threads, double share) {
+    return std::max(cost.cpu / threads, cost.serial) / share + cost.waiting();
+}
 
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial) {
     constexpr double kTrials = 0.25;  // of the time

@@ -10,13 +10,15 @@
 namespace latent::develop {
 
 // Seconds that pass, seconds that all threads compute, and seconds that the measuring thread is ready to compute while other
-// programs do.
+// programs do. `serial`: those of `cpu` that threads cannot share.
 struct Cost {
-    double wall = 0, cpu = 0, queued = 0;
+    double wall = 0, cpu = 0, queued = 0, serial = 0;
 
-    Cost operator+(const Cost& other) const { return {wall + other.wall, cpu + other.cpu, queued + other.queued}; }
-    Cost operator-(const Cost& other) const { return {wall - other.wall, cpu - other.cpu, queued - other.queued}; }
-    Cost operator*(double factor) const { return {wall * factor, cpu * factor, queued * factor}; }
+    Cost operator+(const Cost& other) const {
+        return {wall + other.wall, cpu + other.cpu, queued + other.queued, serial + other.serial};
+    }
+    Cost operator-(const Cost& other) const { return *this + other * -1; }
+    Cost operator*(double factor) const { return {wall * factor, cpu * factor, queued * factor, serial * factor}; }
 
     // What one thread has waited for anything but a processor: for files.
     double waiting() const { return std::max(0.0, wall - cpu - queued); }

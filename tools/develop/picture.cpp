@@ -414,6 +414,31 @@ std::vector<PictureOptions> frames_of(const PictureOptions& options) {
     return frames;
 }
 
+namespace {
+
+// A picture that is never finished: how long its tiles take, which one thread writes at a time.
+class TimedPicture final : public PictureSink {
+ public:
+    explicit TimedPicture(const std::filesystem::path& output) : picture_(output, true) {}
+    Status begin(const image::ExrTileSpec& spec, std::uint64_t waiting_memory) override {
+        return picture_.begin(spec, waiting_memory);
+    }
+    Status write(int x, int y, std::span<const float> pixels) override {
+        const CostMeter meter;
+        Status status = picture_.write(x, y, pixels);
+        writing_ += meter.so_far().cpu;
+        return status;
+    }
+    Status finish() override { return {}; }
+    double writing() const { return writing_; }  // seconds of CPU time
+
+ private:
+    ExrPicture picture_;
+    double writing_ = 0;
+};
+
+}  // namespace
+
 Result<Forecast> forecast_picture(const PictureOptions& given) {
     if (Status s = set_simd_level(given.simd); !s) return s.error();
     const sampledb::RunSetOptions selection = run_set_options(given, sampledb::VerifyLevel::kHeaders);
@@ -450,15 +475,17 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         PictureOptions options = asked;
         options.size = fmt::format("{}x{}", picture.width, picture.height);
         options.crop = picture.crop;
-        options.threads = 1;                  // several would wait for each other, more often than in long work
-        ExrPicture sink(asked.output, true);  // never finished
+        options.threads = 1;  // several would wait for each other, more often than in long work
+        TimedPicture sink(asked.output);
         const Subset some = first_of(all, order, picture.runs);
         const CostMeter meter;
         const Result<PictureReport> tried = develop_prepared(
             options, some, prepare(options, selection, some, all.coverage().size(), {picture.width, picture.height}), false, sink,
             {});
         if (!tried) return tried.error();
-        return TrialOutcome{meter.so_far(), tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
+        Cost cost = meter.so_far();
+        cost.serial = sink.writing();
+        return TrialOutcome{cost, tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
     };
     const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs};
     const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
