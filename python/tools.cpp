@@ -11,9 +11,9 @@
 #include "c_api/latent.h"
 #include "python/arrays.h"
 #include "python/failure.h"
-#include "tools/develop/picture.h"
-#include "tools/develop/pixel_array.h"
-#include "tools/develop/report.h"
+#include "tools/develop/picture/picture.h"
+#include "tools/develop/picture/pixel_array.h"
+#include "tools/develop/picture/report.h"
 
 namespace py = pybind11;
 

@@ -11,7 +11,7 @@
 #include "base/temporary_path.h"
 #include "render/program/report.h"
 #include "tools/convert/convert.h"
-#include "tools/develop/picture.h"
+#include "tools/develop/picture/picture.h"
 
 namespace latent::render {
 namespace {

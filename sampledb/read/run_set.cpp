@@ -209,4 +209,15 @@ Result<std::unique_ptr<RunSet>> RunSet::open(const RunSetOptions& options) {
     return std::unique_ptr<RunSet>(std::move(run_set));
 }
 
+Status for_each_origin(const RunSet& run_set, const std::function<void(std::string_view)>& take) {
+    if (run_set.runs().empty()) return {};
+    const std::filesystem::path& path = run_set.files()[run_set.runs().front().file];
+    const Result<std::shared_ptr<const ByteSource>> source = open_source(path);
+    if (!source) return source.error();
+    const Result<FileContents> frames = read_frames(**source);
+    if (!frames) return frames.error().at(shown_name(path));
+    for_each_origin(*frames, take);
+    return {};
+}
+
 }  // namespace latent::sampledb

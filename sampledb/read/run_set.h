@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -99,5 +101,9 @@ class RunSet {
     // Bytes read so far, from disk or from the system's cache.
     virtual std::uint64_t bytes_read() const = 0;
 };
+
+// Gives `take` the JSON objects in which the first of the files tells its origin (provenance.h): all parts of a job say the same of
+// their scene. Errors: of reading.
+Status for_each_origin(const RunSet& run_set, const std::function<void(std::string_view)>& take);
 
 }  // namespace latent::sampledb

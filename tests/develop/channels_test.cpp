@@ -1,4 +1,4 @@
-#include "tools/develop/channels.h"
+#include "tools/develop/channels/channels.h"
 
 #include <gtest/gtest.h>
 

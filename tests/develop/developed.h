@@ -12,8 +12,8 @@
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/read/run_set.h"
 #include "tests/support/synthetic.h"
-#include "tools/develop/develop.h"
-#include "tools/develop/splat.h"
+#include "tools/develop/engine/develop.h"
+#include "tools/develop/kernel/splat.h"
 
 namespace latent::develop {
 

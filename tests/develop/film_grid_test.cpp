@@ -1,4 +1,4 @@
-#include "tools/develop/film_grid.h"
+#include "tools/develop/film/film_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/develop/filter.h"
+#include "tools/develop/film/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "tools/develop/border.h"
+#include "tools/develop/film/border.h"
 
 namespace latent::develop {
 namespace {

@@ -1,5 +1,5 @@
 // Samples that are far brighter than all around them are dimmed, and nothing else is.
-#include "tools/develop/fireflies.h"
+#include "tools/develop/engine/fireflies.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a picture takes is known before it is developed.
-#include "tools/develop/forecast.h"
+#include "tools/develop/forecast/forecast.h"
 
 #include <gtest/gtest.h>
 

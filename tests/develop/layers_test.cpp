@@ -1,4 +1,4 @@
-#include "tools/develop/layers.h"
+#include "tools/develop/channels/layers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,9 +11,9 @@
 
 #include "tests/develop/developed.h"
 #include "tests/faults/process.h"
-#include "tools/develop/lens_columns.h"
-#include "tools/develop/picture.h"
-#include "tools/develop/refocused.h"
+#include "tools/develop/lens/lens_columns.h"
+#include "tools/develop/lens/refocused.h"
+#include "tools/develop/picture/picture.h"
 
 namespace latent::develop {
 namespace {

@@ -10,8 +10,8 @@
 #include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/arguments.h"
-#include "tools/develop/estimate.h"
-#include "tools/develop/subset.h"
+#include "tools/develop/engine/subset.h"
+#include "tools/develop/forecast/estimate.h"
 
 namespace latent::develop {
 namespace {

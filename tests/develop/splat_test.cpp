@@ -1,4 +1,4 @@
-#include "tools/develop/splat.h"
+#include "tools/develop/kernel/splat.h"
 
 #include <gtest/gtest.h>
 

@@ -16,8 +16,8 @@
 #include "sampledb/format/file_header.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
-#include "tools/develop/picture.h"
-#include "tools/develop/splat.h"
+#include "tools/develop/kernel/splat.h"
+#include "tools/develop/picture/picture.h"
 
 namespace latent::develop {
 namespace {

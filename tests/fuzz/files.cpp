@@ -6,8 +6,8 @@
 #include "tests/fuzz/mend.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/synthetic.h"
-#include "tools/develop/picture.h"
-#include "tools/develop/pixel_array.h"
+#include "tools/develop/picture/picture.h"
+#include "tools/develop/picture/pixel_array.h"
 #include "tools/merge/merge.h"
 
 namespace latent::fuzz {

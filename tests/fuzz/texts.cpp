@@ -11,13 +11,13 @@
 #include "tests/fuzz/target.h"
 #include "tools/convert/glare.h"
 #include "tools/convert/vignette.h"
-#include "tools/develop/aperture.h"
-#include "tools/develop/channels.h"
-#include "tools/develop/filter.h"
-#include "tools/develop/focus.h"
-#include "tools/develop/layers.h"
-#include "tools/develop/light_setting.h"
-#include "tools/develop/shutter.h"
+#include "tools/develop/channels/channels.h"
+#include "tools/develop/channels/layers.h"
+#include "tools/develop/channels/light_setting.h"
+#include "tools/develop/film/filter.h"
+#include "tools/develop/lens/aperture.h"
+#include "tools/develop/lens/focus.h"
+#include "tools/develop/lens/shutter.h"
 
 namespace latent::fuzz {
 

@@ -1,12 +1,12 @@
 // Where and when light met the lens (`--aov lens,time`): the records of a part of the lens, or of the shutter's time, are those of
 // a smaller lens or a shorter exposure. docs/rendering.md, "AOVs".
-#include "tools/develop/lens_columns.h"
+#include "tools/develop/lens/lens_columns.h"
 
 #include <numbers>
 
 #include "tests/transport/pictures.h"
-#include "tools/develop/lens_weights.h"
-#include "tools/develop/recorded_lens.h"
+#include "tools/develop/lens/lens_weights.h"
+#include "tools/develop/lens/recorded_lens.h"
 
 namespace latent::render::testing {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/parse.h"
 #include "sampledb/data/parse.h"
-#include "tools/develop/splat.h"
+#include "tools/develop/kernel/splat.h"
 
 namespace latent::develop {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/cli.h"
-#include "tools/develop/picture.h"
+#include "tools/develop/picture/picture.h"
 
 namespace latent::develop {
 

@@ -6,8 +6,8 @@
 #include "base/file.h"
 #include "base/temporary_path.h"
 #include "tools/develop/arguments.h"
-#include "tools/develop/picture.h"
-#include "tools/develop/report.h"
+#include "tools/develop/picture/picture.h"
+#include "tools/develop/picture/report.h"
 
 int main(int argc, char** argv) try {
     using namespace latent;

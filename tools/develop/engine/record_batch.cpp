@@ -1,0 +1,374 @@
+#include "tools/develop/engine/record_batch.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "base/first_error.h"
+#include "tools/develop/channels/rows.h"
+
+namespace latent::develop {
+
+namespace {
+
+constexpr int kSortedLevels = 16;               // within smaller cells than these, the records of a page are in any order
+constexpr std::uint64_t kAlignment = 64;        // of arrays
+constexpr std::size_t kPagesPerThread = 4;      // in work at once
+constexpr std::uint64_t kReadAhead = 8 << 20;   // bytes of pages that are on their way from disk
+constexpr std::uint64_t kReadAtOnce = 1 << 20;  // neighbours are announced together
+constexpr std::uint64_t kPageBytes = 96;        // of a page's reference and of what is kept of it while a batch is loaded
+
+// Takes an array off the front of memory.
+template <class T>
+std::span<T> take(std::span<std::byte>& memory, std::size_t count) {
+    const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+    assert(bytes <= memory.size());
+    T* const array = reinterpret_cast<T*>(memory.data());
+    memory = memory.subspan(bytes);
+    return {array, count};
+}
+
+bool contains(const PixelRect& cells, std::int64_t x, std::int64_t y) {
+    return x >= cells.x0 && x < cells.x1 && y >= cells.y0 && y < cells.y1;
+}
+
+// Where a cell's camera segments, or its light segments, stand in the index of a batch.
+std::size_t slot_of(const PixelRect& cells, std::int64_t x, std::int64_t y, sampledb::RecordClass record_class) {
+    return 2 * static_cast<std::size_t>((y - cells.y0) * cells.width() + (x - cells.x0)) +
+           (record_class == sampledb::RecordClass::kLight ? 1 : 0);
+}
+std::size_t slot_count(const PixelRect& cells) { return 2 * static_cast<std::size_t>(cells.width() * cells.height()); }
+
+}  // namespace
+
+std::span<const Segment> RecordBatch::segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const {
+    const std::size_t slot = slot_of(cells, cell_x, cell_y, record_class);
+    return all_segments.subspan(begin[slot], begin[slot + 1] - begin[slot]);
+}
+
+void segments_in_order(std::span<const RecordBatch* const> batches, const PageRange& range, std::int64_t cell_x,
+                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<BatchSegments>& found) {
+    found.clear();
+    thread_local std::vector<BatchSegments> rest;  // of each batch
+    rest.clear();
+    for (const RecordBatch* batch : batches) {
+        const std::span<const Segment> all = batch->segments(cell_x, cell_y, record_class);
+        const auto first = std::ranges::lower_bound(all, range.begin, {}, &Segment::page);
+        const auto last = std::ranges::lower_bound(first, all.end(), range.end, {}, &Segment::page);
+        if (first != last) rest.push_back({batch, {first, last}});
+    }
+    const auto front = [](const BatchSegments& in_batch) { return in_batch.segments.front().page; };
+    while (!rest.empty()) {
+        const auto next = std::ranges::min_element(rest, {}, front);
+        std::uint64_t end = range.end;  // where another batch goes on
+        for (auto other = rest.begin(); other != rest.end(); ++other) {
+            if (other != next) end = std::min(end, front(*other));
+        }
+        const auto stop = std::ranges::lower_bound(next->segments, end, {}, &Segment::page);
+        found.push_back({next->batch, {next->segments.begin(), stop}});
+        next->segments = {stop, next->segments.end()};
+        if (next->segments.empty()) rest.erase(next);
+    }
+}
+
+std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
+    const std::uint64_t pieces = pieces_at_most(page, cells);
+    if (pieces == 0) return 0;
+    const PixelRect sorted = moves_records() ? reached(page, cells) : PixelRect{};
+    return kPageBytes + page.record_count * record_bytes() + pieces * (sizeof(Segment) + sizeof(SlotRows)) +
+           static_cast<std::uint64_t>(sorted.width() * sorted.height()) * sizeof(std::uint32_t);
+}
+
+PixelRect Loader::reached(const sampledb::PageInfo& page, const PixelRect& cells) const {
+    return intersection(grid_.cells_of(page.node, page.part), cells);
+}
+
+std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
+    const PixelRect common = reached(page, cells);
+    if (common.empty()) return 0;
+    if (grid_.level() > kSortedLevels) return page.record_count;
+    return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
+}
+
+std::uint64_t Loader::thread_bytes() const {
+    if (!moves_records()) return 0;
+    return sampledb::max_page_records(run_set_.job()) * (sizeof(std::uint32_t) + stride_ * sizeof(float));
+}
+
+std::uint64_t Loader::index_bytes(const PixelRect& cells) {
+    return (slot_count(cells) + 1) * sizeof(std::uint32_t) + 6 * kAlignment;  // arrays are rounded up
+}
+
+// A batch while its pages are decoded. Rows get their places as they come; only the index knows their order.
+struct Loader::Filling {
+    const PixelRect& cells;
+    bool counting;
+    float* values;
+    std::uint32_t* x;
+    std::uint32_t* y;
+    SlotRows* pieces;
+    std::atomic<std::uint32_t> row_count = 0, piece_count = 0;
+};
+
+Result<RecordBatch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory,
+                                 bool counting) {
+    const std::uint64_t room = memory.size() - index_bytes(cells);
+    std::uint64_t rows = 0, pieces = 0, bytes = 0;
+    std::size_t taken = 0;
+    for (; taken < pages.size(); ++taken) {
+        const sampledb::PageInfo& page = pages[taken].info;
+        const std::uint64_t more = bytes_at_most(page, cells);
+        if (bytes + more > room) break;
+        bytes += more;
+        rows += page.record_count;
+        pieces += pieces_at_most(page, cells);
+    }
+    assert(taken > 0 || pages.empty());
+
+    // Values, x, y of as many rows as there may be; pieces at the end, out of the way of the segments that are made from them.
+    std::span<std::byte> free = memory.first(memory.size() - pieces * sizeof(SlotRows) / kAlignment * kAlignment - kAlignment);
+    auto* const last = reinterpret_cast<SlotRows*>(free.data() + free.size());
+    Filling filling{cells,
+                    counting,
+                    take<float>(free, rows * stride_).data(),
+                    take<std::uint32_t>(free, rows).data(),
+                    take<std::uint32_t>(free, rows).data(),
+                    last};
+    std::vector<std::span<const SlotRows>> kept(taken);
+    if (Status s = load_pages(pages.first(taken), filling, kept); !s) return s.error();
+
+    // Pages may have had rows elsewhere: the columns close up.
+    free = memory.first(static_cast<std::size_t>(reinterpret_cast<std::byte*>(last) - memory.data()));
+    const std::uint32_t row_count = filling.row_count;
+    const std::span<float> values = take<float>(free, row_count * stride_);
+    const std::span<std::uint32_t> x = take<std::uint32_t>(free, row_count), y = take<std::uint32_t>(free, row_count);
+    std::copy_n(filling.x, row_count, x.data());
+    std::copy_n(filling.y, row_count, y.data());
+    const std::span<std::uint32_t> begin = take<std::uint32_t>(free, slot_count(cells) + 1);
+    const std::span<Segment> segments = take<Segment>(free, filling.piece_count);
+
+    // Counting sort by slot: begin[s + 1] is where the next segment of slot s goes.
+    std::ranges::fill(begin, 0);
+    for (const std::span<const SlotRows> page : kept) {
+        for (const SlotRows& piece : page) {
+            if (piece.slot + 2 < begin.size()) ++begin[piece.slot + 2];
+        }
+    }
+    for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
+    for (std::size_t i = 0; i < taken; ++i) {
+        for (const SlotRows& piece : kept[i]) {
+            segments[begin[piece.slot + 1]++] = {pages[i].order, piece.first, piece.count};
+        }
+    }
+    memory = memory.subspan(static_cast<std::size_t>(free.data() - memory.data()));
+    pages = pages.subspan(taken);
+    return RecordBatch{cells, {x.data(), y.data(), values.data()}, begin, segments};
+}
+
+// In parallel, begun in their order: so those that are read soon are announced to the system, and are on their way.
+Status Loader::load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept) {
+    FirstError error;
+    std::size_t next = 0, announced = 0;
+    std::uint64_t on_their_way = 0;
+    const auto next_page = [&](tbb::flow_control& flow) -> std::size_t {
+        if (next == pages.size() || error) {
+            flow.stop();
+            return 0;
+        }
+        while (announced < pages.size() && (on_their_way < kReadAhead || announced == next)) {
+            const PageRef& first = pages[announced];
+            std::uint64_t end = first.info.offset, bytes = 0;
+            for (; announced < pages.size() && pages[announced].run == first.run && pages[announced].info.offset == end &&
+                   bytes < kReadAtOnce;
+                 ++announced) {
+                bytes += pages[announced].info.stored_size;
+                end += pages[announced].info.stored_size;
+            }
+            run_set_.will_read(first.run, first.info, pages[announced - 1].info);
+            on_their_way += bytes;
+        }
+        on_their_way -= pages[next].info.stored_size;
+        return next++;
+    };
+    const auto load = [&](std::size_t i) { error.keep(load_page(pages[i], filling, kept[i])); };
+    tbb::parallel_pipeline(kPagesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
+                           tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, next_page) &
+                               tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, load));
+    return error.status();
+}
+
+// Runs of rows that lie in one cell. Pages are sorted along the Z curve, so there are few; small pages lie in one.
+void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const {
+    cells.clear();
+    if (page.count == 0) return;
+    constexpr std::size_t kBlock = 256;
+    const std::size_t n = page.count;
+    CellRows current{grid_.cell_of(page.u[0]), grid_.cell_of(page.v[0]), 0, 0};
+    for (std::size_t begin = 1; begin < n; begin += kBlock) {
+        const std::size_t end = std::min(begin + kBlock, n);
+        std::uint32_t different = 0;  // bits in which neighbours differ; nearly always those within a cell
+        for (std::size_t i = begin; i < end; ++i) different |= (page.u[i] ^ page.u[i - 1]) | (page.v[i] ^ page.v[i - 1]);
+        if (grid_.cell_of(different) == 0) continue;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t cell_x = grid_.cell_of(page.u[i]), cell_y = grid_.cell_of(page.v[i]);
+            if (cell_x == current.cell_x && cell_y == current.cell_y) continue;
+            current.count = static_cast<std::uint32_t>(i) - current.first;
+            cells.push_back(current);
+            current = {cell_x, cell_y, static_cast<std::uint32_t>(i), 0};
+        }
+    }
+    current.count = static_cast<std::uint32_t>(n) - current.first;
+    cells.push_back(current);
+}
+
+// Moves the rows of a page, and counts those of each cell: rows come in any order of cells. The positions of rows elsewhere mean
+// nothing.
+void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellRows>& cells) const {
+    cells.clear();
+    const std::uint32_t elsewhere = moved.elsewhere();
+    moved.cell.resize(page.count);
+    moved.begin.assign(elsewhere + 2, 0);
+    std::uint32_t* const u = page.u.data();
+    std::uint32_t* const v = page.v.data();
+    std::uint32_t* const its_cell = moved.cell.data();
+    std::uint32_t* const count = moved.begin.data() + 1;
+    const LensWeights::Shifts shifts(*channels_.lens(), page);
+    const std::int64_t x0 = moved.wanted.x0, y0 = moved.wanted.y0;
+    const auto width = static_cast<std::uint64_t>(moved.wanted.width()), height = static_cast<std::uint64_t>(moved.wanted.height());
+    const int bits_in_cell = 32 - grid_.level();
+    for (std::size_t row = 0; row < page.count; ++row) {
+        const std::int64_t new_u = shifts.u(row, u[row]), new_v = shifts.v(row, v[row]);
+        u[row] = static_cast<std::uint32_t>(new_u), v[row] = static_cast<std::uint32_t>(new_v);
+        const auto x = static_cast<std::uint64_t>((new_u >> bits_in_cell) - x0);  // huge if it is to the left
+        const auto y = static_cast<std::uint64_t>((new_v >> bits_in_cell) - y0);
+        its_cell[row] = x < width && y < height ? static_cast<std::uint32_t>(y * width + x) : elsewhere;
+        ++count[its_cell[row]];
+    }
+    const auto its_x = [&](std::uint32_t cell) {
+        return static_cast<std::uint32_t>(moved.wanted.x0 + cell % moved.wanted.width());
+    };
+    const auto its_y = [&](std::uint32_t cell) {
+        return static_cast<std::uint32_t>(moved.wanted.y0 + cell / moved.wanted.width());
+    };
+    std::uint32_t end = 0;
+    for (std::uint32_t cell = 0; cell < elsewhere; ++cell) {
+        moved.begin[cell] = end;
+        if (count[cell] == 0) continue;
+        cells.push_back({its_x(cell), its_y(cell), end, count[cell]});
+        end += count[cell];
+    }
+}
+
+// A counting sort, which keeps the order of rows within a cell: `moved.begin` is where the next row of a cell goes. x and y are
+// positions on the film.
+template <std::size_t kStride>
+void Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, float* values, std::uint32_t* x,
+                             std::uint32_t* y) const {
+    const std::size_t stride = kStride > 0 ? kStride : stride_;
+    const std::uint32_t elsewhere = moved.elsewhere();
+    const std::uint32_t* const u = page.u.data();
+    const std::uint32_t* const v = page.v.data();
+    const std::uint32_t* const cells = moved.cell.data();
+    const float* const from = moved.values.data();
+    std::uint32_t* const next = moved.begin.data();
+    for (std::size_t row = 0; row < page.count; ++row) {
+        const std::uint32_t cell = cells[row];
+        if (cell == elsewhere) continue;
+        const std::size_t to = next[cell]++;
+        x[to] = u[row], y[to] = v[row];
+        std::copy_n(from + row * stride, stride, values + to * stride);
+    }
+}
+
+// Of the rows that are wanted; others count where they are.
+std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows& moved) const {
+    std::vector<float> values(stride_);
+    std::uint64_t count = 0;
+    for (std::size_t row = 0; row < page.count; ++row) {
+        if (moved.cell[row] != moved.elsewhere()) count += channels_.values(page, row, row + 1, values.data());
+    }
+    return count;
+}
+
+void Loader::count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling) {
+    if (count == 0 || !filling.counting) return;
+    (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_not_finite : counts_.light_not_finite) += count;
+}
+
+// Rows of zeros, which add nothing to any sum. Returns how many rows are left.
+template <std::size_t kStride>
+std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const {
+    const std::size_t stride = kStride > 0 ? kStride : stride_;
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float* const row = values + i * stride;
+        if (std::all_of(row, row + stride, [](float value) { return value == 0; })) continue;
+        x[kept] = x[i], y[kept] = y[i];
+        if (kept < i) std::copy_n(row, stride, values + kept * stride);
+        ++kept;
+    }
+    return kept;
+}
+
+Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const SlotRows>& kept) {
+    Worker& worker = workers_.local();
+    sampledb::Page& page = worker.page;
+    std::vector<CellRows>& cells = worker.cells;
+    if (Status s = run_set_.read_page(ref.run, ref.info, channels_.columns(), worker.decoder, page); !s) return s;
+    ++counts_.pages;
+    counts_.bytes += ref.info.stored_size;
+    const LensWeights* const lens = channels_.lens() ? &*channels_.lens() : nullptr;
+    if (moves_records()) {
+        worker.moved.wanted = reached(ref.info, filling.cells);
+        move_rows(page, worker.moved, cells);
+        worker.moved.values.resize(page.count * stride_);
+        if (channels_.values(page, 0, page.count, worker.moved.values.data()) > 0)
+            count_not_finite(not_finite_of(page, worker.moved), page, filling);
+    } else {
+        find_cells(page, cells);
+        std::erase_if(cells, [&](const CellRows& rows) { return !contains(filling.cells, rows.cell_x, rows.cell_y); });
+    }
+    if (cells.size() > pieces_at_most(ref.info, filling.cells)) {
+        return Error{ErrorCode::kCorrupt, fmt::format("run {}: the records of a page are not in order", ref.run)};
+    }
+    std::uint32_t count = 0;
+    for (const CellRows& rows : cells) count += rows.count;
+    if (filling.counting)
+        (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_records : counts_.light_records) += count;
+    std::uint32_t to = filling.row_count.fetch_add(count);
+    SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
+    if (moves_records()) {
+        const auto sort = stride_ == 4 ? &Loader::sort_moved_rows<4> : &Loader::sort_moved_rows<0>;
+        (this->*sort)(page, worker.moved, filling.values + to * stride_, filling.x + to, filling.y + to);
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const CellRows& rows = cells[i];
+        const auto place = [&](const FilmGrid::Place& of, const std::vector<std::uint32_t>& positions, std::uint32_t* places) {
+            const std::uint32_t* const from = moves_records() ? places : positions.data() + rows.first;
+            place_rows(of, {from, rows.count}, places);
+        };
+        place(grid_.place_x(rows.cell_x), page.u, filling.x + to);
+        place(grid_.place_y(rows.cell_y), page.v, filling.y + to);
+        if (!moves_records()) {
+            const std::size_t first = rows.first;
+            const std::uint64_t not_finite = channels_.values(page, first, first + rows.count, filling.values + to * stride_);
+            count_not_finite(not_finite, page, filling);
+        }
+        std::uint32_t left = rows.count;
+        if (lens != nullptr && lens->leaves_records_out()) {
+            float* const values = filling.values + to * stride_;
+            left = stride_ == 4 ? drop_zeros<4>(rows.count, filling.x + to, filling.y + to, values)
+                                : drop_zeros<0>(rows.count, filling.x + to, filling.y + to, values);
+        }
+        pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to, left};
+        to += rows.count;
+    }
+    kept = {pieces, cells.size()};
+    return {};
+}
+
+}  // namespace latent::develop

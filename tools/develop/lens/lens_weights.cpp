@@ -1,0 +1,273 @@
+#include "tools/develop/lens/lens_weights.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace latent::develop {
+
+namespace {
+
+constexpr int kTimes = 256;
+constexpr std::size_t kMeansAcross = 33;  // points of the film, from border to border
+
+// Mean weight, and the mean of its square.
+struct Moments {
+    double mean = 0, square = 0;
+    void add(double weight, double share) { mean += weight * share, square += weight * weight * share; }
+    double kept() const { return square > 0 ? mean * mean / square : 0; }
+};
+
+float fraction_of(std::uint32_t position) { return static_cast<float>(position) * 0x1p-32f; }
+
+// The share of a cell, whose middle has this square of the distance from the middle of a rim, that lies within; the edge counts as
+// straight within a cell.
+float within_rim(float square) {
+    constexpr float kPerCell = kLensCells / 2.0f, kInside = 1 - 0.5f / kPerCell, kOutside = 1 + 0.5f / kPerCell;
+    if (square <= kInside * kInside) return 1;
+    if (square >= kOutside * kOutside) return 0;
+    return std::clamp((1 - std::sqrt(square)) * kPerCell + 0.5f, 0.0f, 1.0f);
+}
+
+}  // namespace
+
+RowSums::RowSums(const std::vector<double>& values) {
+    before_.reserve(kLensCells * (kLensCells + 1) + 1);
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        before_.push_back(0);
+        for (std::size_t x = 0; x < kLensCells; ++x) before_.push_back(before_.back() + values[row * kLensCells + x]);
+    }
+    before_.push_back(0);
+}
+
+double RowSums::between(std::size_t row, double begin, double end) const {
+    const auto before = [&](double x) {
+        const int border = static_cast<int>(x);
+        const double* const at = before_.data() + row * (kLensCells + 1) + border;
+        return at[0] + (x - border) * (at[1] - at[0]);
+    };
+    return before(end) - before(begin);
+}
+
+std::string LensChoice::text() const {
+    std::string text;
+    const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+    if (!aperture_text.empty()) add("aperture " + aperture_text);
+    if (!shutter_text.empty()) add("shutter " + shutter_text);
+    if (shutter.frames > 1) add(fmt::format("frame {} of {}", shutter.frame + 1, shutter.frames));
+    if (exposure_follows) add("exposure follows");
+    return text;
+}
+
+Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice& choice) {
+    LensWeights weights;
+    weights.follows_ = choice.exposure_follows;
+    if (!choice.aperture.is_whole() || choice.is_refocused()) {
+        if (Status s = check_lens_columns(job, "--aperture"); !s) return s.error();
+        weights.lens_columns_ = lens_columns(job);
+        if (!choice.aperture.is_whole() || job.light_paths_per_sample > 0)
+            weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height);
+        weights.set_focus(choice.film_shift);
+        if (!(weights.mean_ > 0)) return usage_error("--aperture: no light passes");
+    }
+    if (!choice.shutter.is_whole()) {
+        weights.time_column_ = place_of_fractions(job, "shutter");
+        if (!weights.time_column_)
+            return usage_error(
+                fmt::format("{}: the files do not say when light met the lens; render the scene again with --aov "
+                            "time; something in it must move",
+                            choice.shutter.frames > 1 ? "--frames" : "--shutter"));
+        Result<ShutterCurve> curve = ShutterCurve::make(choice.shutter);
+        if (!curve) return curve.error();
+        weights.set_shutter(choice.shutter, *std::move(curve));
+    }
+    return weights;
+}
+
+void LensWeights::set_aperture(const Aperture& aperture, double film_width, double film_height) {
+    const LensCells cells = cells_of(aperture);
+    double disk = 0;
+    std::vector<double> passing, squares;
+    for (std::size_t cell = 0; cell < cells.area.size(); ++cell) {
+        const auto area = static_cast<double>(cells.area[cell]), weight = static_cast<double>(cells.transmission[cell]);
+        disk += area;
+        passing.push_back(weight * area);
+        squares.push_back(weight * weight * area);
+        leaves_out_ = leaves_out_ || (area > 0 && weight == 0);
+    }
+    light_ = RowSums(passing);
+    leaves_out_ = leaves_out_ || aperture.cat_eye > 0;
+    const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
+    rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
+    rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
+    if (!aperture.is_whole()) cells_ = cells.transmission;
+    set_means(RowSums(squares), disk);
+}
+
+void LensWeights::set_means(const RowSums& square_sums, double disk) {
+    const std::size_t across = rim_u_ != 0 ? kMeansAcross : 1;
+    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / (kMeansAcross - 1) : 0.5f; };
+    const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
+        return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / (kMeansAcross - 1);
+    };
+    double mean = 0, kept = 0;
+    for (std::size_t j = 0; j < across; ++j) {
+        std::array<double, kLensCells> chords{};
+        for (std::size_t row = 0; row < kLensCells; ++row) chords[row] = half_chord(row, place(j));
+        for (std::size_t i = 0; i < across; ++i) {
+            Moments here;
+            for (std::size_t row = 0; row < kLensCells; ++row) {
+                const auto [begin, end] = in_rear_rim(chords[row], place(i));
+                here.mean += light_.between(row, begin, end);
+                here.square += square_sums.between(row, begin, end);
+            }
+            here.mean /= disk, here.square /= disk;
+            means_.push_back(static_cast<float>(here.mean));
+            const double area = share(i) * share(j);
+            mean += area * here.mean;
+            kept += area * here.kept();
+        }
+    }
+    mean_ *= mean;
+    kept_ *= kept;
+}
+
+void LensWeights::set_focus(const std::array<double, 2>& film_shift) {
+    film_shift_ = film_shift;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        for (std::size_t cell = 0; cell < kLensCells; ++cell)
+            moves_[axis][cell] =
+                static_cast<std::int64_t>(std::floor(std::clamp(film_shift[axis] * middle_of_cell(cell), -1.0, 1.0) * 0x1p32));
+    }
+}
+
+sampledb::ExtraSet LensWeights::columns() const {
+    sampledb::ExtraSet columns;
+    if (lens_columns_) columns.set((*lens_columns_)[0]).set((*lens_columns_)[1]);
+    if (time_column_) columns.set(*time_column_);
+    return columns;
+}
+
+// Of a row of cells: half of the rear rim's chord, and from where to where it lets light pass. That rim is the unit circle moved
+// towards the centre of the picture's other side.
+double LensWeights::half_chord(std::size_t row, float v) const {
+    if (rim_v_ == 0) return 2;  // as wide as the lens everywhere
+    const double y = middle_of_cell(row) - static_cast<double>((v - 0.5f) * rim_v_);
+    return std::sqrt(std::max(0.0, 1 - y * y));
+}
+std::array<double, 2> LensWeights::in_rear_rim(double half_chord, float u) const {
+    constexpr double kPerCell = kLensCells / 2.0;
+    const double x = static_cast<double>((u - 0.5f) * rim_u_);
+    return {std::clamp((x - half_chord + 1) * kPerCell, 0.0, double{kLensCells}),
+            std::clamp((x + half_chord + 1) * kPerCell, 0.0, double{kLensCells})};
+}
+
+// The mean weight of records at (u, v).
+float LensWeights::mean_at(float u, float v) const {
+    if (means_.empty()) return time_mean_;
+    if (means_.size() == 1) return means_[0] * time_mean_;
+    const float x = u * (kMeansAcross - 1), y = v * (kMeansAcross - 1);
+    const std::size_t i = std::min(static_cast<std::size_t>(x), kMeansAcross - 2),
+                      j = std::min(static_cast<std::size_t>(y), kMeansAcross - 2);
+    const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+    const float* const upper = means_.data() + j * kMeansAcross + i;
+    const float* const lower = upper + kMeansAcross;
+    return ((upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy) * time_mean_;
+}
+
+// A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
+// light through these, over that through all.
+float LensWeights::share_on_film(float u, float v) const {
+    constexpr double kPerCell = kLensCells / 2.0;
+    const auto cells = [](double position, double shift) {  // whose centres the film has
+        if (shift == 0) return std::array<double, 2>{0, kLensCells};
+        const double a = (position - 1) / shift, b = position / shift;
+        const auto place = [](double x) { return std::floor(std::clamp((x + 1) * kPerCell, 0.0, double{kLensCells}) + 0.5); };
+        return std::array{place(std::min(a, b)), place(std::max(a, b))};
+    };
+    const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
+    const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
+    if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
+    double all = 0, seen = 0;
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        const auto [begin, end] = in_rear_rim(half_chord(row, v), u);
+        all += light_.between(row, begin, end);
+        const double first = std::max(begin, x0), last = std::min(end, x1), y = static_cast<double>(row);
+        if (y >= y0 && y < y1 && first < last) seen += light_.between(row, first, last);
+    }
+    return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
+}
+
+void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
+    curve_ = std::move(curve);
+    frame_ = shutter.frame, frames_ = shutter.frames, rolling_ = shutter.rolling;
+    Moments moments;
+    for (std::size_t time = 0; time < open_.size(); ++time) {
+        open_[time] = open(time, 0.5);
+        leaves_out_ = leaves_out_ || open_[time] == 0;
+        moments.add(static_cast<double>(open_[time]), 1.0 / kTimes);
+    }
+    leaves_out_ = leaves_out_ || rolling_ > 0;
+    const double mean = curve_->all() * (1 - rolling_) / frames_;
+    time_mean_ = static_cast<float>(mean);
+    mean_ *= mean;
+    kept_ *= moments.kept();
+}
+
+// The mean transmission over 1/256 of the exposure, for a row of the picture at v.
+float LensWeights::open(std::size_t time, double v) const {
+    const double begins = frame_ + v * rolling_, takes = 1 - rolling_;
+    const auto passed = [&](int at) { return curve_->until((at * frames_ / kTimes - begins) / takes); };
+    const int at = static_cast<int>(time);
+    return static_cast<float>((passed(at + 1) - passed(at)) * takes / frames_ * kTimes);
+}
+
+void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
+    const LeadingBytes columns(page.extra[(*lens_columns_)[0]]), rows(page.extra[(*lens_columns_)[1]]);
+    const bool has_rims = rim_u_ != 0;
+    // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
+    constexpr float kCell = 2.0f / kLensCells;
+    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-32f,
+                per_v = rim_v_ * 0x1p-32f;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const std::size_t x = columns[begin + i], y = rows[begin + i];
+        weights[i] = cells_[y * kLensCells + x];
+        if (!has_rims) continue;
+        const float dx = static_cast<float>(static_cast<int>(x)) * kCell + from_x - static_cast<float>(page.u[begin + i]) * per_u,
+                    dy = static_cast<float>(static_cast<int>(y)) * kCell + from_y - static_cast<float>(page.v[begin + i]) * per_v;
+        weights[i] *= within_rim(dx * dx + dy * dy);
+    }
+}
+
+void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
+    const LeadingBytes time(page.extra[*time_column_]);
+    if (rolling_ == 0) {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[time[begin + i]];
+    } else {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open(time[begin + i], page.v[begin + i] * 0x1p-32);
+    }
+}
+
+// A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
+void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const {
+    out.share.assign(end - begin, 1.0f);
+    if (!cells_.empty()) through_lens(page, begin, out.share);
+    if (time_column_) through_shutter(page, begin, out.share);
+    out.value = out.share;
+    const auto scale = [&](const auto& scale_at) {
+        for (std::size_t i = 0; i < out.value.size(); ++i) {
+            if (out.value[i] > 0) out.value[i] *= scale_at(fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]));
+        }
+    };
+    if (page.record_class == sampledb::RecordClass::kCamera) {
+        if (follows_) scale([this](float u, float v) { return mean_at(u, v); });
+        return;
+    }
+    std::ranges::fill(out.share, 0.0f);
+    if (!follows_) scale([this](float u, float v) { return 1 / mean_at(u, v); });
+    if (moves_records() && !light_.empty()) scale([this](float u, float v) { return 1 / share_on_film(u, v); });
+}
+
+}  // namespace latent::develop

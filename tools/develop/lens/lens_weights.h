@@ -1,0 +1,124 @@
+// tools/develop/lens/lens_weights.h: a smaller aperture and a shorter exposure than those rendered, as weights of records.
+// docs/developing.md, "Lens and shutter".
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
+#include "tools/develop/lens/aperture.h"
+#include "tools/develop/lens/lens_columns.h"
+#include "tools/develop/lens/shutter.h"
+
+namespace latent::develop {
+
+struct LensChoice {
+    Aperture aperture{};
+    Shutter shutter{};
+    bool exposure_follows = false;  // less light makes a darker picture; else it is as bright as that of the whole lens
+    std::string aperture_text{}, shutter_text{};  // as they were given
+
+    std::array<double, 2> film_shift{};  // of a lens that is focused elsewhere: recorded_lens.h
+
+    bool is_refocused() const { return film_shift != std::array<double, 2>{}; }
+    bool is_whole() const { return aperture.is_whole() && shutter.is_whole() && !is_refocused(); }
+    std::string text() const;  // "aperture 0.35; shutter 0.2:0.5"
+};
+
+// Sums of a value of each cell of the lens, along its rows.
+class RowSums {
+ public:
+    RowSums() = default;
+    explicit RowSums(const std::vector<double>& values);  // kLensCells * kLensCells
+    bool empty() const { return before_.empty(); }
+    // Of a row from one place to another, in cells; of a cell in part, that part.
+    double between(std::size_t row, double begin, double end) const;
+
+ private:
+    std::vector<double> before_{};  // each border of cells
+};
+
+// A record's weight is the transmission of the aperture in its cell of the lens, times that of the shutter in its 1/256 of the
+// exposure; both are means over the cell. Thread-safe.
+class LensWeights {
+ public:
+    // Errors: kUsage: the job lacks the columns, or the choice lets no light through; of the shutter's file.
+    static Result<LensWeights> make(const sampledb::Job& job, const LensChoice& choice);
+
+    // Those that the functions below read.
+    sampledb::ExtraSet columns() const;
+
+    // Whether any record of a class may have another factor than 1.
+    bool weighs(sampledb::RecordClass record_class) const {
+        return record_class == sampledb::RecordClass::kLight || !cells_.empty() || time_column_ || follows_;
+    }
+    // What the values and the shares of rows are multiplied by; the share of a light record is 0.
+    struct Factors {
+        std::vector<float> value, share;
+    };
+    void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const;
+
+    // Whether there are weights of 0.
+    bool leaves_records_out() const { return leaves_out_; }
+
+    // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
+    bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
+    // Where the records of a page meet the film: u and v, in units of 2^-32, and the film's shift x their points of the lens. That
+    // may be below 0 or beyond 1.
+    class Shifts {
+     public:
+        Shifts(const LensWeights& weights, const sampledb::Page& page)
+            : moves_(weights.moves_), x_(page.extra[(*weights.lens_columns_)[0]]), y_(page.extra[(*weights.lens_columns_)[1]]) {}
+        std::int64_t u(std::size_t row, std::uint32_t from) const { return from + moves_[0][x_[row]]; }
+        std::int64_t v(std::size_t row, std::uint32_t from) const { return from + moves_[1][y_[row]]; }
+
+     private:
+        const std::array<std::array<std::int64_t, kLensCells>, 2>& moves_;
+        LeadingBytes x_, y_;
+    };
+
+    double mean() const { return mean_; }  // of the weights of camera records
+    // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
+    double kept() const { return kept_; }
+
+ private:
+    void set_aperture(const Aperture& aperture, double film_width, double film_height);
+    void set_focus(const std::array<double, 2>& film_shift);
+    void set_shutter(const Shutter& shutter, ShutterCurve curve);
+    void set_means(const RowSums& square_sums, double disk);
+    void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
+    void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
+    float mean_at(float u, float v) const;
+    float share_on_film(float u, float v) const;
+    double half_chord(std::size_t row, float v) const;
+    std::array<double, 2> in_rear_rim(double half_chord, float u) const;
+    float open(std::size_t time, double v) const;
+
+    bool follows_ = false, leaves_out_ = false;
+    double mean_ = 1, kept_ = 1;
+
+    std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
+    std::vector<float> cells_{};                                // transmission; none: of the whole lens
+    float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
+    std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
+
+    RowSums light_{};  // through cells; none: of the whole lens, in jobs without light records
+
+    std::array<double, 2> film_shift_{};
+    std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
+
+    std::optional<std::size_t> time_column_{};
+    std::optional<ShutterCurve> curve_{};
+    double frame_ = 0, frames_ = 1, rolling_ = 0;
+    std::array<float, 256> open_{};  // transmission at each time; of rows of the middle
+    float time_mean_ = 1;
+};
+
+}  // namespace latent::develop
