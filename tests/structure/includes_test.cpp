@@ -63,7 +63,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"tools/merge", {"sampledb/read"}},
         {"tools/develop", {"sampledb/read", "color/film", "image"}},
         {"tools/convert", {"color/film", "image"}},
-        {"tools/inspect", {"sampledb/write"}},
+        {"tools/inspect", {"sampledb/write", "tools/develop"}},
 
         {"c_api", {"sampledb/write", "tools/merge"}},
         {"python", {"c_api", "tools/develop"}},
