@@ -58,7 +58,8 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/load", {"render/load/pbrt", "render/load/gltf", "render/load/obj"}},
         {"render/program", {"render/transport/bidirectional", "render/load", "sampledb/write"}},
         {"render/preview", {"render/program", "tools/develop", "tools/convert"}},
-        {"render/main.cpp", {"render/preview"}},
+        {"render/target", {"render/program", "tools/develop"}},
+        {"render/main.cpp", {"render/preview", "render/target"}},
 
         {"tools/merge", {"sampledb/read"}},
         {"tools/develop", {"sampledb/read", "color/film", "image"}},
