@@ -10,11 +10,18 @@
 #include "render/program/loop.h"
 #include "render/program/report.h"
 #include "render/program/stop_signals.h"
+#include "render/target/until_noise.h"
 
 namespace {
 
 void warn_of_files(const latent::render::RenderJob& job) {
     for (const std::string& warning : latent::render::later_warnings(job)) latent::cli::warn(warning);
+}
+
+latent::Error interrupted(const latent::render::RenderReport& report, const latent::render::RenderJob& job) {
+    return {latent::ErrorCode::kStopped,
+            fmt::format("interrupted: {} of {} samples are committed; run the same command again to resume", report.committed,
+                        job.range.size())};
 }
 
 }  // namespace
@@ -70,21 +77,29 @@ int main(int argc, char** argv) try {
         cli::print(to_text(*shown, **job, common.json));
         return cli::kDone;
     }
+    if (!cli::stderr_is_terminal() && !common.quiet) options.log = cli::log_line;
+    // The bar is gone before the report: it lives as long as the expression that it is handed to.
+    const auto progress = [&] { return options.log ? Progress() : cli::progress(common, "rendering"); };
+    if (line.until) {
+        const Result<UntilNoiseReport> report =
+            render_until(**job, settings, options, *line.until, line.ignore_space, stop_requested, progress());
+        if (!report) return cli::fail(report.error());
+        if (report->render.faults.total() > 0) cli::warn(to_text(report->render.faults));
+        warn_of_files(**job);
+        const int status = cli::print_report(to_text(*report, *line.until, **job, common.json), cli::kDone);
+        if (!report->noise) return cli::fail(interrupted(report->render, **job));
+        if (!report->shortfall.empty()) cli::warn(report->shortfall);
+        return status;
+    }
     if (!line.ignore_space) {
         if (const Status fits = check_space(**job, options, stop_requested); !fits) return cli::fail(fits.error());
     }
-    if (!cli::stderr_is_terminal() && !common.quiet) options.log = cli::log_line;
-    // The bar is gone before the report: it lives as long as this expression.
-    const Result<RenderReport> report =
-        render::render(**job, options, stop_requested, options.log ? Progress() : cli::progress(common, "rendering"));
+    const Result<RenderReport> report = render::render(**job, options, stop_requested, progress());
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
     warn_of_files(**job);
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);
-    if (report->complete) return status;
-    return cli::fail(
-        {ErrorCode::kStopped, fmt::format("interrupted: {} of {} samples are committed; run the same command again to resume",
-                                          report->committed, (*job)->range.size())});
+    return report->complete ? status : cli::fail(interrupted(*report, **job));
 } catch (...) {
     return latent::cli::fail_with_exception();
 }

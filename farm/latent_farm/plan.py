@@ -170,7 +170,9 @@ def part_name(task):
 OWN = "write it before the --"
 INSIDE = "latent-farm gives every task its own; --tasks says how many there are"
 ALWAYS = "tasks of a farm do without it"
-TAKEN = {"--spp": OWN, "--checkpoint": OWN, "--samples": INSIDE, "--shard": INSIDE, "--threads": "use --cpus, before the --",
+SPP = "a task does not see the noise of all; use --spp, before the --"
+TAKEN = {"--spp": OWN, "--checkpoint": OWN, "--until-noise": SPP, "--max-spp": SPP, "--samples": INSIDE, "--shard": INSIDE,
+         "--threads": "use --cpus, before the --",
          "-o": "parts are written into the folder that --out names", "--output": "parts are written into the folder that --out names",
          **dict.fromkeys(("--dry-run", "--json", "--force", "--quiet", "-q", "--max-time", "--more-than"), ALWAYS)}
 

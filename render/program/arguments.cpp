@@ -1,5 +1,7 @@
 #include "render/program/arguments.h"
 
+#include <algorithm>
+
 #include "base/parse.h"
 #include "sampledb/data/parse.h"
 
@@ -24,6 +26,18 @@ Result<std::uint32_t> parse_depth(std::string_view text) {
     const Result<std::uint64_t> depth = parse_count(text);
     if (depth && *depth <= 1u << 30) return static_cast<std::uint32_t>(*depth);
     return is_not(text, "a depth (try 12 or unlimited)");
+}
+
+Result<NoiseTarget> parse_noise_target(std::string_view text) {
+    constexpr std::uint64_t kMaxWidth = 1u << 23;
+    const std::size_t at = std::min(text.find('@'), text.size());
+    const std::string_view percent = text.substr(0, at), width = text.substr(std::min(at + 1, text.size()));
+    const Result<double> number = parse_number(percent.substr(0, percent.find('%')));
+    const Result<std::uint64_t> pixels = at == text.size() ? Result<std::uint64_t>(0) : parse_count(width);
+    const bool sized = at == text.size() || (pixels && *pixels > 0 && *pixels <= kMaxWidth);
+    if (percent.ends_with('%') && number && *number >= 1e-4 && *number <= 1000 && sized)
+        return NoiseTarget{*number / 100, static_cast<std::uint32_t>(*pixels)};
+    return is_not(text, "a noise and the width of a picture (try 2%@1920)");
 }
 
 Result<sampledb::SampleRange> parse_samples(std::string_view text) {

@@ -15,6 +15,8 @@ Result<Shard> parse_shard(std::string_view text);
 Result<Resolution> parse_resolution(std::string_view text);
 // "12" or "unlimited"
 Result<std::uint32_t> parse_depth(std::string_view text);
+// "2%@1920", or "2%" of the picture that is rendered for
+Result<NoiseTarget> parse_noise_target(std::string_view text);
 // "0:1M", ending before 2^62
 Result<sampledb::SampleRange> parse_samples(std::string_view text);
 

@@ -73,11 +73,23 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     auto* samples = cli::add_parsed(app, "--samples", line.settings.samples, parse_samples, "samples A to B-1, instead of --spp")
                         ->excludes(spp)
                         ->type_name("A:B");
-    app.add_option("--more-than", line.settings.more_than,
-                   "files or folders to continue: render only the samples of --spp that follow theirs")
-        ->excludes(samples)
-        ->type_name("FILE...");
-    cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
+    auto* more_than = app.add_option("--more-than", line.settings.more_than,
+                                     "files or folders to continue: render only the samples of --spp that follow theirs")
+                          ->excludes(samples)
+                          ->type_name("FILE...");
+    auto* shard = cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")
+                      ->type_name("I/N");
+    auto* until = cli::add_parsed(app, "--until-noise", line.until, parse_noise_target,
+                                  "instead of --spp, render until half of the pixels of a picture W pixels wide (default: of "
+                                  "--resolution) have a smaller relative standard error than P percent")
+                      ->excludes(spp)
+                      ->excludes(samples)
+                      ->excludes(more_than)
+                      ->excludes(shard)
+                      ->type_name("P%[@W]");
+    cli::add_positive_number(app, "--max-spp", line.settings.spp, "samples per pixel after which --until-noise ends in any case")
+        ->needs(until)
+        ->default_str("");
     cli::add_parsed(
         app, "--resolution", line.settings.resolution, parse_resolution,
         "picture size in pixels to render for (default: the scene's); you can still develop any other size. It sets how "
@@ -130,7 +142,9 @@ void add_arguments(CLI::App& app, CommandLine& line) {
                              "expected time and file size, and the free space");
     cli::add_duration(app, "--preview", line.preview_seconds,
                       "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
-        ->excludes(dry);
+        ->excludes(dry)
+        ->excludes(until);
+    dry->excludes(until);
     add_model_arguments(app, line.settings.model);
     app.add_option("--add", line.settings.additions,
                    "pbrt file whose lights, shapes and camera are added to the scene; may be repeated")
@@ -142,7 +156,9 @@ void add_arguments(CLI::App& app, CommandLine& line) {
         "list the supported scene features, and exit");
     app.add_flag("--ignore-space", line.ignore_space, "start even if the file is not expected to fit on the disk");
     app.footer(kBelowOptions);
-    app.parse_complete_callback([&line] {
+    app.parse_complete_callback([&line, &app] {
+        constexpr double kMaxPerPixel = 1e6;  // of a picture that never gets clean
+        if (line.until && app.get_option("--max-spp")->count() == 0) line.settings.spp = kMaxPerPixel;
         line.has_output = !line.options.output.empty();
         if (line.has_output) return;
         if (!line.dry_run && line.preview_seconds <= 0) throw CLI::RequiredError("--output");

@@ -58,6 +58,7 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
     trial.output = folder / "trial.latent";
     trial.max_seconds = seconds;
     trial.min_samples = place.min_samples;
+    trial.log = {};  // nothing of it stays
     Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return place.explained(report.error());
     // Finished samples of a run whose other grains were given up may not be committed: only what is counts.

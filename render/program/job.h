@@ -26,6 +26,12 @@ struct Shard {
     std::uint64_t index = 0, count = 1;
 };
 
+// The median of the relative standard error of a picture's pixels (tools/develop/noise/noise.h).
+struct NoiseTarget {
+    double relative = 0;
+    std::uint32_t width = 0;  // of the picture; 0: what is rendered for
+};
+
 // What the command line says; what it leaves out, the scene decides.
 struct RenderSettings {
     std::filesystem::path scene;

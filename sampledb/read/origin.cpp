@@ -38,9 +38,18 @@ double cpu_seconds_in(std::string_view provenance) {
     return is_number && seconds > 0 ? seconds : 0;
 }
 
-bool was_resumed(std::string_view provenance) {
-    const std::string_view before = member_of(provenance, "committed_before");
-    return !before.empty() && before != "0";
+std::uint64_t committed_before(std::string_view provenance) {
+    const std::string_view text = member_of(provenance, "committed_before");
+    std::uint64_t samples = 0;
+    const bool is_number = std::from_chars(text.data(), text.data() + text.size(), samples).ec == std::errc();
+    return is_number ? samples : 0;
+}
+
+void add_time(std::string_view provenance, Origin& origin) {
+    const double seconds = cpu_seconds_in(provenance);
+    origin.cpu_seconds += seconds;
+    origin.all_timed = origin.all_timed && seconds > 0;
+    origin.committed_before += committed_before(provenance);
 }
 
 // The members of the first that all have with the same value.
@@ -70,7 +79,7 @@ QuotedProvenance own_provenance(const FileContents& file) {
 }
 
 Origin origin_of(const FileContents& file) {
-    Origin origin;
+    Origin origin{.all_timed = true};
     const QuotedProvenance footer = quote_provenance(file.footer_provenance, kFooterProvenanceDepth);
     std::vector<std::string_view> samples, provenances;
     if (footer.objection.empty()) {
@@ -82,8 +91,7 @@ Origin origin_of(const FileContents& file) {
     if (provenances.empty()) {
         origin.common = own_provenance(file).json;
         if (!footer.objection.empty()) origin.parts = footer.json;
-        origin.cpu_seconds = cpu_seconds_in(origin.common);
-        origin.resumed = was_resumed(origin.common);
+        add_time(origin.common, origin);
         return origin;
     }
     const std::vector<Member> common = common_members(provenances);
@@ -92,8 +100,7 @@ Origin origin_of(const FileContents& file) {
     origin.incomplete = member_of(footer.json, "incomplete") == "true";
     origin.parts = "[";
     for (std::size_t i = 0; i < provenances.size(); ++i) {
-        origin.cpu_seconds += cpu_seconds_in(provenances[i]);
-        origin.resumed = origin.resumed || was_resumed(provenances[i]);
+        add_time(provenances[i], origin);
         std::vector<Member> differences = members_of(provenances[i]);
         std::erase_if(differences, [&](const Member& member) { return std::ranges::find(common, member) != common.end(); });
         const bool is_object = provenances[i].starts_with('{');

@@ -719,7 +719,7 @@ TEST_F(InspectTest, HelpShowsWhatAnOptionTakesAndItsDefault) {
 TEST_F(InspectTest, EveryHelpTextFitsEightyColumns) {
     const std::string folder = latent::testing::tools_folder() + "/latent-";
     for (const std::string command : {"render", "merge", "develop", "convert", "inspect", "inspect info", "inspect verify",
-                                      "inspect recover", "inspect cat", "inspect gen"}) {
+                                      "inspect recover", "inspect cat", "inspect noise", "inspect gen"}) {
         const Outcome help = run({"/bin/sh", "-c", folder + command + " --help"});
         ASSERT_EQ(help.status, 0) << command;
         std::istringstream lines(help.out);
@@ -739,7 +739,7 @@ TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
     write("parts/1.latent", synthetic::make_file(make_short_job(), std::vector{Coverage(SampleRange{kS, 2 * kS})}).bytes);
     int tried = 0;
     for (const std::string command : {"latent-merge", "latent-inspect info", "latent-inspect verify", "latent-inspect recover",
-                                      "latent-inspect cat", "latent-inspect gen"}) {
+                                      "latent-inspect cat", "latent-inspect noise", "latent-inspect gen"}) {
         const std::string path = "PATH=" + latent::testing::tools_folder() + ":$PATH; cd " + folder_.path().string() + "; ";
         const Outcome help = run({"/bin/sh", "-c", path + command + " --help"});
         ASSERT_EQ(help.status, 0) << command;

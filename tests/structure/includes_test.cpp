@@ -58,7 +58,8 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/load", {"render/load/pbrt", "render/load/gltf", "render/load/obj"}},
         {"render/program", {"render/transport/bidirectional", "render/load", "sampledb/write"}},
         {"render/preview", {"render/program", "tools/develop", "tools/convert"}},
-        {"render/main.cpp", {"render/preview"}},
+        {"render/target", {"render/program", "tools/develop"}},
+        {"render/main.cpp", {"render/preview", "render/target"}},
 
         {"tools/merge", {"sampledb/read"}},
         {"tools/develop/film", {"sampledb/data"}},
@@ -68,9 +69,10 @@ const std::map<std::string, Rooms>& arrows() {
         {"tools/develop/engine", {"tools/develop/kernel"}},
         {"tools/develop/forecast", {"tools/develop/film"}},
         {"tools/develop/picture", {"tools/develop/engine", "tools/develop/forecast"}},
-        {"tools/develop", {"tools/develop/picture"}},
+        {"tools/develop/noise", {"tools/develop/picture"}},
+        {"tools/develop", {"tools/develop/noise"}},
         {"tools/convert", {"color/film", "image"}},
-        {"tools/inspect", {"sampledb/write"}},
+        {"tools/inspect", {"sampledb/write", "tools/develop"}},
 
         {"c_api", {"sampledb/write", "tools/merge"}},
         {"python", {"c_api", "tools/develop"}},

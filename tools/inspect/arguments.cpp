@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/cli.h"
+#include "base/memory.h"
 #include "base/parse.h"
 #include "sampledb/data/parse.h"
 
@@ -54,6 +55,35 @@ void add_cat_options(CLI::App& cat, CatOptions& options) {
         ->delimiter(',')
         ->type_name("NAME,...")
         ->allow_extra_args(false);
+}
+
+void add_noise_options(CLI::App& noise, NoiseOptions& options) {
+    develop::PictureOptions& picture = options.picture;
+    noise.add_option("FILE", picture.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
+    noise
+        .add_option(
+            "--size", picture.size,
+            "size of the whole picture in pixels; W alone keeps the film's aspect (default: what the file was rendered for)")
+        ->type_name("W|WxH");
+    const auto crop = [](const std::string& text) {
+        return parse_crop(text).map([](const auto& c) { return develop::PixelRect{c[0], c[1], c[2], c[3]}; });
+    };
+    cli::add_parsed(noise, "--crop", picture.crop, crop, "pixels to look at, X1 and Y1 exclusive (default: all)")
+        ->type_name("X0,Y0,X1,Y1");
+    noise.add_option("--observer", picture.observer.name, "observer or camera that sees the picture, as for latent-develop")
+        ->type_name("NAME|FILE.csv");
+    cli::add_parsed(noise, "--samples", picture.samples, parse_sample_range, "samples to use, A to B-1 (default: all)")
+        ->type_name("A:B");
+    cli::add_parsed(noise, "--job", picture.job, parse_job_id, "job to look at, if folders hold several (32 hexadecimal digits)")
+        ->type_name("ID");
+    picture.memory = default_memory();
+    cli::add_memory(noise, picture.memory, "memory limit");
+    const auto map = [](const std::string& name) -> Result<std::filesystem::path> {
+        const std::filesystem::path path = name;
+        if (path.extension() == ".png" || path.extension() == ".exr") return path;
+        return is_not(name, "a picture file (try noise.png, or noise.exr)");
+    };
+    cli::add_parsed(noise, "-o,--output", options.map, map, "map of the noise to write")->type_name("NAME.png|NAME.exr");
 }
 
 void add_gen_options(CLI::App& gen, GenOptions& options) {

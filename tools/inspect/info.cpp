@@ -272,7 +272,7 @@ std::string to_text(const FileInfo& info) {
                                    counted(origin.part_count, "part")));
     }
     if (origin.cpu_seconds > 0)
-        line("CPU time", format_duration(origin.cpu_seconds) + (origin.resumed ? " since rendering was resumed" : ""));
+        line("CPU time", format_duration(origin.cpu_seconds) + (origin.committed_before > 0 ? " since rendering was resumed" : ""));
     for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);
     return text;

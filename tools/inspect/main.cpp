@@ -1,13 +1,15 @@
-// latent-inspect: what is in a file, whether it is sound, what can be saved of it, its records as text, synthetic files.
+// latent-inspect: what is in a file, whether it is sound, what can be saved of it, its records as text, its noise; synthetic files.
 #include <nlohmann/json.hpp>
 
 #include "base/cli.h"
 #include "base/temporary_path.h"
+#include "tools/develop/picture/report.h"
 #include "tools/inspect/arguments.h"
 #include "tools/inspect/cat.h"
 #include "tools/inspect/gen.h"
 #include "tools/inspect/help.h"
 #include "tools/inspect/info.h"
+#include "tools/inspect/noise.h"
 #include "tools/inspect/print.h"
 #include "tools/inspect/recover.h"
 #include "tools/inspect/verify.h"
@@ -44,6 +46,17 @@ int run_cat(const CatOptions& options) {
     return report->left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
 }
 
+int run_noise(NoiseOptions options) {
+    options.force = common.force;
+    options.picture.threads = common.threads;
+    const Result<NoiseReport> report = look_for_noise(options, cli::progress(common, "developing"));
+    if (!report) return cli::fail(report.error());
+    const develop::PictureReport& picture = report->noise.picture;
+    for (const std::string& note : picture.run_set.notes) cli::note(note);
+    for (const std::string& loss : develop::losses(picture)) cli::warn(loss);
+    return cli::print_report(text_of(*report, common.json), picture.has_losses() ? cli::kDoneWithLosses : cli::kDone);
+}
+
 int run_gen(GenOptions options) {
     options.force = common.force;
     options.threads = common.threads;
@@ -55,12 +68,13 @@ int run_gen(GenOptions options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-    CLI::App app{"Show, verify, recover, print or generate .latent files.", "latent-inspect"};
+    CLI::App app{"Show, verify, recover, print, measure or generate .latent files.", "latent-inspect"};
     app.require_subcommand(1)->fallthrough()->footer(help::kTool);
     cli::add_common(app, common, false);
     Paths files;
     std::filesystem::path output;
     CatOptions cat_options;
+    NoiseOptions noise_options;
     GenOptions gen_options;
     bool quick = false, deep = false, strict = false;
 
@@ -81,6 +95,9 @@ int main(int argc, char** argv) try {
     CLI::App* cat = app.add_subcommand("cat", "Print records as text or as a NumPy array.")->footer(help::kCat);
     add_cat_options(*cat, cat_options);
 
+    CLI::App* noise = app.add_subcommand("noise", "Measure noise, and forecast what less takes.")->footer(help::kNoise);
+    add_noise_options(*noise, noise_options);
+
     CLI::App* gen = app.add_subcommand("gen", "Generate a synthetic file for tests.")->footer(help::kGen);
     add_gen_options(*gen, gen_options);
 
@@ -94,6 +111,7 @@ int main(int argc, char** argv) try {
     }
     if (*recover) return run_recover(files.front(), output);
     if (*cat) return run_cat(cat_options);
+    if (*noise) return run_noise(noise_options);
     return run_gen(gen_options);
 } catch (...) {
     return latent::cli::fail_with_exception();
