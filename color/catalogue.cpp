@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -49,7 +50,11 @@ std::vector<CatalogueEntry> list_filters() {
         if (t.name.starts_with(kBefore) && t.name.ends_with(kBehind))
             add(t.name.substr(kBefore.size(), t.name.size() - kBefore.size() - kBehind.size()), t, "density");
     }
-    std::ranges::stable_sort(all, {}, [](const CatalogueEntry& e) { return std::stoi(e.name.substr(e.name.find('-') + 1)); });
+    std::ranges::stable_sort(all, {}, [](const CatalogueEntry& e) {
+        int number = 1000;  // CC30M and the like have none, and come last
+        std::from_chars(e.name.data() + e.name.find('-') + 1, e.name.data() + e.name.size(), number);
+        return number;
+    });
     return all;
 }
 

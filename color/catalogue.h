@@ -19,7 +19,7 @@ struct CatalogueEntry {
 };
 
 const std::vector<CatalogueEntry>& observer_catalogue();     // the CIE's, cameras, films
-const std::vector<CatalogueEntry>& lens_filter_catalogue();  // wratten-3 .. wratten-99
+const std::vector<CatalogueEntry>& lens_filter_catalogue();  // wratten-3 .. wratten-99, wratten-cc05m .. wratten-cc50m
 
 // A title, and below it the entries with the sources of their numbers, for people to read.
 std::string listing(std::string_view title, const std::vector<CatalogueEntry>& entries);

@@ -32,8 +32,8 @@ HWY_INLINE V log2(V v) {
     const auto exponent = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3F3504F3)));  // of v / sqrt(1/2), rounded down
     const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(exponent)));
     const V s = hn::Div(hn::Sub(m, constant(1)), hn::Add(m, constant(1))), s2 = hn::Mul(s, s);
-    V series = constant(kTwoOverLn2 / 9);
-    for (const float divisor : {7.0F, 5.0F, 3.0F, 1.0F}) series = hn::Add(hn::Mul(series, s2), constant(kTwoOverLn2 / divisor));
+    const auto next = [&](V series, float divisor) { return hn::Add(hn::Mul(series, s2), constant(kTwoOverLn2 / divisor)); };
+    const V series = next(next(next(next(constant(kTwoOverLn2 / 9), 7), 5), 3), 1);
     return hn::Add(hn::ConvertTo(d, exponent), hn::Mul(s, series));
 }
 

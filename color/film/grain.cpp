@@ -87,9 +87,7 @@ Result<std::array<Table1, 3>> granularity(const Material& film, double pushed) {
     constexpr double kMax = 4.5, kStep = 0.05;
     std::array<Table1, 3> out;
     const auto fill = [&](std::size_t c, auto sigma) {
-        out[c] = {0, static_cast<float>(1 / kStep), {}};
-        for (int i = 0; i <= static_cast<int>(kMax / kStep); ++i)
-            out[c].y.push_back(static_cast<float>(push_contrast(pushed) * sigma(i * kStep) / 1000));
+        out[c] = tabulated(0, kMax, kStep, [&](double density) { return push_contrast(pushed) * sigma(density) / 1000; });
     };
     if (!film.colour) {  // as the square root of the density, [Nutting]; the sheet gives it at density 1
         if (film.rms == 0) return Error{ErrorCode::kUnsupported, film.title + ": its granularity is not known"};

@@ -9,7 +9,7 @@
 
 #include "base/result.h"
 #include "color/film/material.h"
-#include "color/film/process_row.h"
+#include "color/film/process_tables.h"
 
 namespace latent::film {
 

@@ -172,10 +172,8 @@ Result<Columns> columns_from_text(std::string_view text) {
     if (rows.size() < 2) return Error{ErrorCode::kCorrupt, "needs at least two lines of numbers"};
     for (const color::CsvRow& row : rows) {
         if (row.fields.size() != out.names.size()) {
-            return color::csv_error(row.line,
-                                    fmt::format("{} values for {} columns; gaps are not filled in: leave the whole line out, "
-                                                "or write a value",
-                                                row.fields.size(), out.names.size()));
+            return color::csv_error(row.line, fmt::format("{} values for {} columns; gaps are not filled in: write every value",
+                                                          row.fields.size(), out.names.size()));
         }
         for (std::size_t i = 0; i < row.fields.size(); ++i) {
             const std::optional<double> number = color::csv_number(row.fields[i]);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "color/film/mono.h"
 #include "color/power_of_ten.h"
@@ -20,50 +19,6 @@ Triple log10_of(const Triple& v, double least) {
     Triple out;
     for (std::size_t c = 0; c < 3; ++c) out[c] = color::log10_of(v[c] > least ? std::min(v[c], 1e12) : least);
     return out;
-}
-
-// f at `first`, `first` + kStep, ... to `last` and beyond.
-Table1 tabulated(double first, double last, const std::function<double(double)>& f) {
-    Table1 table{static_cast<float>(first), static_cast<float>(1 / kStep), {}};
-    const int entries = static_cast<int>(std::ceil((last - first) / kStep)) + 1;
-    for (int i = 0; i < entries; ++i) table.y.push_back(static_cast<float>(f(first + i * kStep)));
-    return table;
-}
-
-// log10 of the integrals of light 10^-density by three weights, over amounts of dye from `least` to `most`.
-Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves& weights, const Triple& least,
-                            const Triple& most) {
-    constexpr int kN = Table3::kNodes;
-    Table3 table;
-    std::array<std::vector<Curve>, 3> passed;  // by dye: transmittance of the amount at each node
-    for (std::size_t c = 0; c < 3; ++c) {
-        const double step = (most[c] - least[c]) / (kN - 1);
-        table.first[c] = static_cast<float>(least[c]);
-        table.per_unit[c] = static_cast<float>(1 / step);
-        for (int i = 0; i < kN; ++i) {
-            Curve density = stock.dyes()[c];
-            for (double& d : density) d *= least[c] + i * step;
-            passed[c].push_back(transmittance(density));
-        }
-    }
-    Curves through_base;
-    const Curve base = transmittance(stock.base());
-    for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t i = 0; i < kNm; ++i) through_base[k][i] = light[i] * weights[k][i] * base[i];
-    }
-    table.v.resize(3 * kN * kN * kN);
-    for (std::size_t i = 0; i < kN; ++i) {
-        for (std::size_t j = 0; j < kN; ++j) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                Curve weighted;
-                for (std::size_t n = 0; n < kNm; ++n) weighted[n] = through_base[c][n] * passed[0][i][n] * passed[1][j][n];
-                for (std::size_t k = 0; k < kN; ++k)
-                    table.v[Table3::place(i, j, k) + c] =
-                        static_cast<float>(color::log10_of(std::max(dot(weighted, passed[2][k]), 1e-30)));
-            }
-        }
-    }
-    return table;
 }
 
 Error does_not_fit(const Material& film, std::string_view paper, const char* what) {
@@ -82,7 +37,7 @@ const char* indefinite(const Material& film) {
 std::string list_views() {
     return "without paper (--paper):\n"
            "  scan                     a negative, scanned and inverted; the options of a plain print go with it\n"
-           "  light-table              a slide on a light table (D50)\n"
+           "  light-table              a slide, or a negative as it is, on a light table (D50)\n"
            "  projection               a slide in a projector (D55)\n";
 }
 
@@ -91,6 +46,13 @@ Result<Process> Process::make(const ProcessSettings& settings) {
     process.push_ = settings.push;
     process.print_log_ = settings.print_stops * kLog10Of2;
     process.scan_ = settings.paper == "scan";
+    if (process.scan_ || settings.paper == "light-table" || settings.paper == "projection") {
+        const char* given = settings.pack                       ? "--enlarger"
+                            : settings.print_stops != 0         ? "--print-exposure"
+                            : !settings.contrast_filter.empty() ? "--contrast-filter"
+                                                                : nullptr;
+        if (given != nullptr) return usage_error(fmt::format("{}: needs a paper, and {} is none", given, settings.paper));
+    }
     if (Status s = settings.film.colour ? process.make_colour(settings) : process.make_black_and_white(settings); !s)
         return s.error();
     return process;
@@ -106,7 +68,7 @@ Status Process::make_colour(const ProcessSettings& settings) {
     if (!settings.contrast_filter.empty())
         return usage_error(
             fmt::format("--contrast-filter: is for black-and-white paper, and {} is {}", material.name, indefinite(material)));
-    if ((viewed && !material.positive()) || (scan_ && material.positive()))
+    if ((projected && !material.positive()) || (scan_ && material.positive()))
         return does_not_fit(material, settings.paper, indefinite(material));
     const auto process_grey = [&](const Triple& grey) { return film_->amounts(film_->coupled(grey, coupling_)); };
     description_ = fmt::format("{} on {}", material.name, settings.paper);
@@ -125,7 +87,7 @@ Status Process::make_colour(const ProcessSettings& settings) {
     }
     if (viewed) {
         viewing_ = viewing_of(projected ? Kind::kPrintFilm : Kind::kReversal);
-        if (settings.trim) shift_ = neutral_shift(*film_, settings.grey);
+        if (settings.trim && material.positive()) shift_ = neutral_shift(*film_, settings.grey);
     } else {
         const Result<Material> found = find_material(settings.paper, false);
         if (!found) return found.error();
@@ -151,10 +113,12 @@ Status Process::make_colour(const ProcessSettings& settings) {
         description_ = fmt::format("{} on {}, filters {:.0f}Y {:.0f}M {:.0f}C", material.name, found->name, 100 * ymc[0],
                                    100 * ymc[1], 100 * ymc[2]);
     }
-    const Stock& last = paper_ ? *paper_ : *film_;
-    const Triple base = seen(last, *viewing_, {});
-    base_luminance_ = base[1];
-    white_ = color::chromaticity({base[0], base[1], base[2]});
+    Triple brightest = seen(paper_ ? *paper_ : *film_, *viewing_, {});
+    if (viewed && !material.positive()) {  // the mask of a negative is orange beside the bare light
+        for (std::size_t c = 0; c < 3; ++c) brightest[c] = dot(viewing_->light, matching()[c]);
+    }
+    base_luminance_ = brightest[1];
+    white_ = color::chromaticity({brightest[0], brightest[1], brightest[2]});
     fill_tables();
     return {};
 }
@@ -171,17 +135,19 @@ Status Process::make_black_and_white(const ProcessSettings& settings) {
     if (settings.pack)
         return usage_error("--enlarger: the filters are for colour; use --contrast-filter for paper in black and white");
     if (scan_) {
-        if (!settings.contrast_filter.empty()) return usage_error("--contrast-filter: needs a paper, not a scan");
         constexpr double kAround = 0.3;
         const double low = interpolated(settings.grey[0] - kAround, mono_h_, mono_density_),
                      high = interpolated(settings.grey[0] + kAround, mono_h_, mono_density_);
-        scan_grey_[0] = grey;
-        scan_contrast_[0] = std::max((high - low) / (2 * kAround), 0.1);
+        scan_grey_.fill(grey);
+        scan_contrast_.fill(std::max((high - low) / (2 * kAround), 0.1));
         fill_tables();
         return {};
     }
-    if (settings.paper == "light-table" || settings.paper == "projection")
-        return does_not_fit(material, settings.paper, indefinite(material));
+    if (settings.paper == "projection") return does_not_fit(material, settings.paper, indefinite(material));
+    if (settings.paper == "light-table") {
+        fill_tables();
+        return {};
+    }
     const Result<Material> found = find_material(settings.paper, false);
     if (!found) return found.error();
     if (found->colour) return does_not_fit(material, found->name, indefinite(material));
@@ -214,13 +180,12 @@ Triple Process::seen_by(const Triple& exposure) const {
     if (scan_) {
         const Triple density = film_ ? film_->integral_density(a) : a;
         Triple rgb;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const std::size_t k = film_ ? c : 0;
-            rgb[c] = 0.18 * color::power_of_ten((density[k] - scan_grey_[k]) / scan_contrast_[k]);
-        }
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] = 0.18 * color::power_of_ten((density[c] - scan_grey_[c]) / scan_contrast_[c]);
         return film_ ? xyz_from_scan_ * rgb : mono_xyz(rgb[0]);
     }
-    if (!film_) return mono_xyz(color::power_of_ten(-interpolated(paper_offset_ - a[0], paper_h_, paper_density_)));
+    if (!film_)
+        return mono_xyz(
+            color::power_of_ten(-(paper_h_.empty() ? a[0] : interpolated(paper_offset_ - a[0], paper_h_, paper_density_))));
     if (!paper_) return seen(*film_, *viewing_, a);
     Triple h = printer_->exposures(*paper_, film_->density(a));
     for (double& v : h) v += print_log_;
@@ -241,40 +206,47 @@ Triple Process::operator()(const Triple& exposure) const {
 void Process::fill_tables() {
     ProcessTables& t = tables_;
     const double scale = 1 / base_luminance_;
+    const auto by_log_exposure = [](const std::vector<double>& h, double more, const auto& f) {
+        std::array<Table1, 3> tables;
+        for (std::size_t c = 0; c < 3; ++c)
+            tables[c] = tabulated(h.front(), h.back() + more, kStep, [&](double at) { return f(c, at); });
+        return tables;
+    };
+    const auto affine = [&](std::size_t c, double slope, double offset) {
+        t.slope[c] = static_cast<float>(slope);
+        t.offset[c] = static_cast<float>(offset);
+    };
+    const auto scan = [&](std::size_t c, double sign) {
+        affine(c, sign / scan_contrast_[c], color::log10_of(0.18) - scan_grey_[c] / scan_contrast_[c]);
+    };
     if (!film_) {
         t.mono = true;
-        t.film[0] = tabulated(mono_h_.front(), mono_h_.back(), [&](double h) { return interpolated(h, mono_h_, mono_density_); });
-        if (scan_) {
-            t.slope[0] = static_cast<float>(1 / scan_contrast_[0]);
-            t.offset[0] = static_cast<float>(color::log10_of(0.18) - scan_grey_[0] / scan_contrast_[0]);
-        } else {
-            t.slope[0] = -1;
-            t.offset[0] = static_cast<float>(paper_offset_);
-            t.print[0] =
-                tabulated(paper_h_.front(), paper_h_.back(), [&](double h) { return -interpolated(h, paper_h_, paper_density_); });
-        }
+        t.film = layer_by_layer(
+            by_log_exposure(mono_h_, 0, [&](std::size_t, double h) { return interpolated(h, mono_h_, mono_density_); }));
+        for (std::size_t c = 0; c < 3; ++c) scan_ ? scan(c, 1) : affine(c, -1, paper_offset_);
+        if (!paper_h_.empty())
+            t.print = layer_by_layer(
+                by_log_exposure(paper_h_, 0, [&](std::size_t, double h) { return -interpolated(h, paper_h_, paper_density_); }));
         const Triple white = mono_xyz(scale);
         t.matrix = {static_cast<float>(white[0]), 0, 0, 0, static_cast<float>(white[1]), 0, 0, 0, static_cast<float>(white[2])};
         return;
     }
     // Beyond the plot, a negative has a shoulder: four more decades hold all but 0.004 of it.
-    const std::vector<double>& h = film_->log_exposures();
-    constexpr double kShoulderDecades = 4;
-    const double last = h.back() + (film_->material().kind == Kind::kNegative ? kShoulderDecades : 0) + std::abs(push_);
-    for (std::size_t c = 0; c < 3; ++c) t.film[c] = tabulated(h.front(), last, [&](double at) { return film_->amount(c, at); });
-    const float sign = film_->material().positive() ? -1 : 1;
-    t.coupling = {sign * static_cast<float>(coupling_.adjacent), sign * static_cast<float>(coupling_.adjacent),
-                  sign * static_cast<float>(coupling_.far)};
-    for (std::size_t c = 0; c < 3; ++c) t.shift[c] = static_cast<float>(shift_[c]);
-    Triple least = film_->min_amounts(), most = film_->max_amounts();
+    const double shoulder = (film_->material().kind == Kind::kNegative ? 4 : 0) + std::abs(push_);
+    const std::array<Table1, 3> amounts =
+        by_log_exposure(film_->log_exposures(), shoulder, [&](std::size_t c, double h) { return film_->amount(c, h); });
+    if (coupling_.adjacent != 0 || coupling_.far != 0)
+        t.coupling = coupling_tables(amounts, coupling_, film_->material().positive() ? -1 : 1);
+    t.film = layer_by_layer(amounts);
+    for (std::size_t c = 0; c < 3; ++c) t.film.first[c] -= static_cast<float>(shift_[c]);
+    const Triple least = film_->min_amounts(), most = film_->max_amounts();
     t.matrix = {static_cast<float>(scale), 0, 0, 0, static_cast<float>(scale), 0, 0, 0, static_cast<float>(scale)};
     if (scan_) {
         Curve ones;
         ones.fill(1);
         t.through = integrals_by_amounts(*film_, ones, film_->densitometer_weights(), least, most);  // log10 of 1/density
         for (std::size_t c = 0; c < 3; ++c) {
-            t.slope[c] = static_cast<float>(-1 / scan_contrast_[c]);
-            t.offset[c] = static_cast<float>(color::log10_of(0.18) - scan_grey_[c] / scan_contrast_[c]);
+            scan(c, -1);
             for (std::size_t k = 0; k < 3; ++k) t.matrix[3 * c + k] = static_cast<float>(xyz_from_scan_.m[c][k]);
         }
         return;
@@ -286,11 +258,10 @@ void Process::fill_tables() {
     t.through = integrals_by_amounts(*film_, printer_->light(), paper_->sensitivities(), least, most);
     for (std::size_t c = 0; c < 3; ++c) {
         const double trim = printer_->trim()[c], aim = printer_->aim()[c];
-        t.slope[c] = static_cast<float>(trim);
-        t.offset[c] = static_cast<float>(aim - trim * aim + print_log_);
-        t.print[c] = tabulated(paper_->log_exposures().front(), paper_->log_exposures().back(),
-                               [&](double at) { return paper_->amount(c, at); });
+        affine(c, trim, aim - trim * aim + print_log_);
     }
+    t.print =
+        layer_by_layer(by_log_exposure(paper_->log_exposures(), 0, [&](std::size_t c, double h) { return paper_->amount(c, h); }));
     t.look = integrals_by_amounts(*paper_, viewing_->light, matching(), paper_->min_amounts(), paper_->max_amounts());
 }
 

@@ -9,6 +9,7 @@
 
 #include "color/film/printer.h"
 #include "color/film/process_row.h"
+#include "color/film/process_tables.h"
 #include "color/film/stock.h"
 #include "color/tristimulus.h"
 
@@ -74,7 +75,7 @@ class Process {
     color::Matrix3 xyz_from_scan_{};
     // In black and white.
     std::vector<double> mono_h_, mono_density_, paper_h_, paper_density_;
-    double paper_offset_ = 0;  // log10 exposure of the paper for no density
+    double paper_offset_ = 0;  // log10 exposure of the paper for no density; 0 without paper
     ProcessTables tables_;
 };
 

@@ -6,11 +6,13 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 
 #include "color/power_vector-inl.h"
 
-// Mul and Add only, no fused or approximate operation: all instruction sets give the same bits.
+// Logarithms and powers are of vectors of one layer. All between them is of vectors of whole pixels, four lanes each: what a table
+// has for a pixel then lies side by side, and need not be gathered number by number. Mul and Add only, no fused or approximate
+// operation: all instruction sets give the same bits.
 HWY_BEFORE_NAMESPACE();
 namespace latent::film::HWY_NAMESPACE {
 namespace {
@@ -18,9 +20,9 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using V = hn::Vec<D>;
-using I = hn::Rebind<std::int32_t, D>;
 constexpr D d;
-constexpr I integer;
+constexpr hn::Rebind<std::int32_t, D> integer;
+constexpr std::size_t kLanes = hn::MaxLanes(d);
 
 using color::HWY_NAMESPACE::constant;
 
@@ -34,124 +36,127 @@ HWY_INLINE V power_of_ten(V v) {
     return color::HWY_NAMESPACE::exp2(hn::Min(hn::Max(hn::Mul(v, constant(kLog2Of10)), constant(-100)), constant(100)));
 }
 
-using Places = decltype(hn::Zero(integer));
-
-// Where x lies between entries: the one below, and the part of the way to the next.
-struct Place {
-    Places below;
-    V part;
-};
-HWY_INLINE Place place_of(V x, float first, float per_unit, std::int32_t entries) {
-    const V t = hn::Mul(hn::Sub(x, constant(first)), constant(per_unit));
-    const V inside = hn::Min(hn::Max(t, constant(0)), constant(static_cast<float>(entries - 1)));
-    const auto below = hn::Min(hn::ConvertTo(integer, inside), hn::Set(integer, entries - 2));
-    return {below, hn::Sub(inside, hn::ConvertTo(d, below))};
-}
-HWY_INLINE V mix(V a, V b, V part) { return hn::Add(a, hn::Mul(part, hn::Sub(b, a))); }
-HWY_INLINE V value_at(const Table1& table, const Place& place) {
-    return mix(hn::GatherIndex(d, table.y.data(), place.below), hn::GatherIndex(d, table.y.data() + 1, place.below), place.part);
-}
-HWY_INLINE Place place_in(const Table1& table, V x) {
-    return place_of(x, table.first, table.per_unit, static_cast<std::int32_t>(table.y.size()));
-}
-HWY_INLINE V value_of(const Table1& table, V x) { return value_at(table, place_in(table, x)); }
-
-struct V3 {
-    V a, b, c;
-};
-
-HWY_INLINE V3 value_of(const Table3& table, const V3& x) {
-    constexpr std::int32_t kN = Table3::kNodes;
-    const Place i = place_of(x.a, table.first[0], table.per_unit[0], kN), j = place_of(x.b, table.first[1], table.per_unit[1], kN),
-                k = place_of(x.c, table.first[2], table.per_unit[2], kN);
-    const auto n = hn::Set(integer, kN);
-    const auto corner = hn::Mul(hn::Add(hn::Mul(hn::Add(hn::Mul(i.below, n), j.below), n), k.below), hn::Set(integer, 3));
-    const float* v = table.v.data();
-    const auto of = [&](int component) {
-        const auto line = [&](int di, int dj) {
-            const float* from = v + 3 * ((di * kN + dj) * kN) + component;
-            return mix(hn::GatherIndex(d, from, corner), hn::GatherIndex(d, from + 3, corner), k.part);
-        };
-        return mix(mix(line(0, 0), line(0, 1), j.part), mix(line(1, 0), line(1, 1), j.part), i.part);
-    };
-    return {of(0), of(1), of(2)};
-}
-
-// What dye forming in the other layers takes of the log exposures.
-HWY_INLINE V3 coupled(const ProcessTables& t, const V3& h) {
-    // The three curves have the same places.
-    const Place r = place_in(t.film[0], h.a), g = place_in(t.film[0], h.b), b = place_in(t.film[0], h.c);
-    const V own_r = value_at(t.film[0], r), own_g = value_at(t.film[1], g), own_b = value_at(t.film[2], b);
-    const auto held = [&](float k, V own, const Table1& table, const Place& place) {
-        return hn::Mul(constant(k), hn::Sub(own, value_at(table, place)));
-    };
-    const auto [rg, gb, rb] = t.coupling;
-    return {hn::Sub(h.a, hn::Add(held(rg, own_g, t.film[1], r), held(rb, own_b, t.film[2], r))),
-            hn::Sub(h.b, hn::Add(held(rg, own_r, t.film[0], g), held(gb, own_b, t.film[2], g))),
-            hn::Sub(h.c, hn::Add(held(rb, own_r, t.film[0], b), held(gb, own_g, t.film[1], b)))};
-}
-
 HWY_INLINE V log_exposure(V x, float scale) {
     const V scaled = hn::Mul(x, constant(scale)), least = constant(1e-12F), most = constant(1e12F);
     return log10_of(hn::IfThenElse(hn::Gt(scaled, least), hn::Min(scaled, most), least));  // NaN too
 }
 
-HWY_INLINE V grainy(V amount, const GrainRow* grain, std::size_t layer, std::size_t at) {
-    if (grain == nullptr) return amount;
-    return hn::Add(amount, hn::Mul(value_of((*grain->sigma)[layer], amount), hn::LoadU(d, grain->noise[layer] + at)));
+// Where each layer lies between entries: `below` is the one below, and the part of the way to the next is returned.
+template <class Table>
+HWY_INLINE V place_in(const Table& table, V x, decltype(hn::Zero(integer))& below) {
+    const V t = hn::Mul(hn::Sub(x, hn::LoadDup128(d, table.first.data())), hn::LoadDup128(d, table.per_unit.data()));
+    const V inside = hn::Min(hn::Max(t, hn::Zero(d)), hn::LoadDup128(d, table.last.data()));
+    below = hn::ConvertTo(integer, inside);
+    return hn::Sub(inside, hn::ConvertTo(d, below));
 }
 
-HWY_INLINE V3 in_colour(const ProcessTables& t, V3 h, const GrainRow* grain, std::size_t at) {
-    if (t.coupling[0] != 0 || t.coupling[2] != 0) h = coupled(t, h);
-    V3 v{grainy(value_of(t.film[0], hn::Add(h.a, constant(t.shift[0]))), grain, 0, at),
-         grainy(value_of(t.film[1], hn::Add(h.b, constant(t.shift[1]))), grain, 1, at),
-         grainy(value_of(t.film[2], hn::Add(h.c, constant(t.shift[2]))), grain, 2, at)};
-    v = value_of(t.through, v);
-    const auto moved = [&](V x, std::size_t c) { return hn::Add(hn::Mul(x, constant(t.slope[c])), constant(t.offset[c])); };
-    v = {moved(v.a, 0), moved(v.b, 1), moved(v.c, 2)};
-    if (!t.print[0].y.empty()) {
-        v = {value_of(t.print[0], v.a), value_of(t.print[1], v.b), value_of(t.print[2], v.c)};
-        v = value_of(t.look, v);
+// Four numbers for each pixel, from `table` + `at`[4 pixel] on.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> load(Tag tag, const float* table, const std::int32_t* at) {
+    if constexpr (hn::MaxLanes(tag) == 4) {
+        return hn::LoadU(tag, table + *at);
+    } else {
+        constexpr hn::Half<Tag> half;
+        return hn::Combine(tag, load(half, table, at + hn::MaxLanes(half)), load(half, table, at));
     }
-    return {power_of_ten(v.a), power_of_ten(v.b), power_of_ten(v.c)};
 }
 
-HWY_INLINE V3 in_black_and_white(const ProcessTables& t, V h, const GrainRow* grain, std::size_t at) {
-    const V density = grainy(value_of(t.film[0], h), grain, 0, at);
-    V v = hn::Add(hn::Mul(density, constant(t.slope[0])), constant(t.offset[0]));
-    if (!t.print[0].y.empty()) v = value_of(t.print[0], v);
-    const V light = power_of_ten(v);
-    return {light, light, light};
-}
-
-void process_row_of_target(const ProcessTables& t, float scale, const std::array<const float*, 3>& in,
-                           const std::array<float*, 3>& out, std::size_t count, const GrainRow* grain) {
-    const std::size_t lanes = hn::Lanes(d);
-    const auto process = [&](const std::array<const float*, 3>& from, const std::array<float*, 3>& to, std::size_t at,
-                             const GrainRow* row_grain) {
-        const auto exposure = [&](std::size_t c) { return log_exposure(hn::LoadU(d, from[c] + at), scale); };
-        const V3 v = t.mono ? in_black_and_white(t, exposure(0), row_grain, at)
-                            : in_colour(t, {exposure(0), exposure(1), exposure(2)}, row_grain, at);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const float* m = &t.matrix[3 * c];
-            const V sum =
-                hn::Add(hn::Add(hn::Mul(constant(m[0]), v.a), hn::Mul(constant(m[1]), v.b)), hn::Mul(constant(m[2]), v.c));
-            hn::StoreU(sum, d, to[c] + at);
-        }
+HWY_INLINE V value_of(const LayerTables& tables, V x) {
+    auto below = hn::Zero(integer);
+    const V part = place_in(tables, x, below);
+    HWY_ALIGN std::array<std::int32_t, kLanes> at;
+    hn::Store(hn::ShiftLeft<3>(below), integer, at.data());
+    const auto of = [&](std::size_t layer, V way) {
+        const float* table = tables.y[layer].data();
+        return hn::Add(load(d, table, at.data() + layer), hn::Mul(way, load(d, table + 4, at.data() + layer)));
     };
+    return hn::Add(hn::Add(of(0, hn::Broadcast<0>(part)), of(1, hn::Broadcast<1>(part))), of(2, hn::Broadcast<2>(part)));
+}
+
+HWY_INLINE V value_of(const Table3& table, V x) {
+    constexpr std::int32_t kOne = 3, kLine = kOne * Table3::kNodes, kPlane = kLine * Table3::kNodes;
+    auto below = hn::Zero(integer);
+    const V part = place_in(table, x, below);
+    constexpr std::array<std::int32_t, 4> kSteps{kPlane, kLine, kOne, 0};
+    const auto steps = hn::Mul(below, hn::LoadDup128(integer, kSteps.data())), pairs = hn::Add(steps, hn::Shuffle2301(steps));
+    HWY_ALIGN std::array<std::int32_t, kLanes> at;
+    hn::Store(hn::Add(pairs, hn::Shuffle1032(pairs)), integer, at.data());
+    const auto mix = [](V a, V b, V way) { return hn::Add(a, hn::Mul(way, hn::Sub(b, a))); };
+    const V i = hn::Broadcast<0>(part), j = hn::Broadcast<1>(part), k = hn::Broadcast<2>(part);
+    const float* v = table.v.data();
+    const auto line = [&](const float* from) { return mix(load(d, from, at.data()), load(d, from + kOne, at.data()), k); };
+    return mix(mix(line(v), line(v + kLine), j), mix(line(v + kPlane), line(v + kPlane + kLine), j), i);
+}
+
+constexpr std::size_t kAtOnce = 64;  // pixels
+using Planes = std::array<const float*, 3>;
+
+// Four numbers for each pixel.
+struct Pixels {
+    HWY_ALIGN std::array<float, 4 * kAtOnce> v;
+
+    template <class Make>
+    HWY_INLINE void fill(const Planes& planes, const Make& make) {
+        for (std::size_t i = 0; i < kAtOnce; i += kLanes)
+            hn::StoreInterleaved4(make(hn::LoadU(d, planes[0] + i)), make(hn::LoadU(d, planes[1] + i)),
+                                  make(hn::LoadU(d, planes[2] + i)), hn::Zero(d), d, v.data() + 4 * i);
+    }
+    // `step`(some pixels, their place in `v`).
+    template <class Step>
+    HWY_INLINE void each(const Step& step) {
+        for (std::size_t i = 0; i < v.size(); i += kLanes) hn::Store(step(hn::Load(d, v.data() + i), i), d, v.data() + i);
+    }
+};
+
+// kAtOnce pixels.
+void process(const ProcessTables& t, float scale, const Planes& in, const std::array<float*, 3>& out, const GrainRow* grain) {
+    const auto planes = [&](const Planes& all) { return t.mono ? Planes{all[0], all[0], all[0]} : all; };
+    Pixels pixels, noise;
+    pixels.fill(planes(in), [&](V x) { return log_exposure(x, scale); });
+    if (!t.coupling.empty()) pixels.each([&](V h, std::size_t) { return hn::Add(h, value_of(t.coupling, h)); });
+    pixels.each([&](V h, std::size_t) { return value_of(t.film, h); });
+    if (grain != nullptr) {
+        noise.fill(planes(grain->noise), [](V n) { return n; });
+        pixels.each([&](V amounts, std::size_t at) {
+            return hn::Add(amounts, hn::Mul(value_of(*grain->sigma, amounts), hn::Load(d, noise.v.data() + at)));
+        });
+    }
+    if (!t.through.empty()) pixels.each([&](V amounts, std::size_t) { return value_of(t.through, amounts); });
+    const V slope = hn::LoadDup128(d, t.slope.data()), offset = hn::LoadDup128(d, t.offset.data());
+    pixels.each([&](V x, std::size_t) { return hn::Add(hn::Mul(x, slope), offset); });
+    if (!t.print.empty()) pixels.each([&](V h, std::size_t) { return value_of(t.print, h); });
+    if (!t.look.empty()) pixels.each([&](V amounts, std::size_t) { return value_of(t.look, amounts); });
+    for (std::size_t i = 0; i < kAtOnce; i += kLanes) {
+        V a, b, c, unused;
+        hn::LoadInterleaved4(d, pixels.v.data() + 4 * i, a, b, c, unused);
+        a = power_of_ten(a), b = power_of_ten(b), c = power_of_ten(c);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float* m = &t.matrix[3 * k];
+            hn::StoreU(hn::Add(hn::Add(hn::Mul(constant(m[0]), a), hn::Mul(constant(m[1]), b)), hn::Mul(constant(m[2]), c)), d,
+                       out[k] + i);
+        }
+    }
+}
+
+void process_row_of_target(const ProcessTables& t, float scale, const Planes& in, const std::array<float*, 3>& out,
+                           std::size_t count, const GrainRow* grain) {
+    const auto from = [](const Planes& planes, std::size_t i) { return Planes{planes[0] + i, planes[1] + i, planes[2] + i}; };
+    GrainRow here{};
+    if (grain != nullptr) here.sigma = grain->sigma;
     std::size_t i = 0;
-    for (; i + lanes <= count; i += lanes) process(in, out, i, grain);
+    for (; i + kAtOnce <= count; i += kAtOnce) {
+        if (grain != nullptr) here.noise = from(grain->noise, i);
+        process(t, scale, from(in, i), {out[0] + i, out[1] + i, out[2] + i}, grain != nullptr ? &here : nullptr);
+    }
     if (i == count) return;
-    using Rest = std::array<float, HWY_MAX_BYTES / sizeof(float)>;
-    std::array<Rest, 3> rest{}, noise{};
+    std::array<std::array<float, kAtOnce>, 3> rest{}, noise{};
     for (std::size_t c = 0; c < 3; ++c) {
         std::copy(in[c] + i, in[c] + count, rest[c].begin());
         if (grain != nullptr) std::copy(grain->noise[c] + i, grain->noise[c] + count, noise[c].begin());
     }
-    GrainRow rest_grain;
-    if (grain != nullptr) rest_grain = {{noise[0].data(), noise[1].data(), noise[2].data()}, grain->sigma};
-    process({rest[0].data(), rest[1].data(), rest[2].data()}, {rest[0].data(), rest[1].data(), rest[2].data()}, 0,
-            grain != nullptr ? &rest_grain : nullptr);
+    here.noise = {noise[0].data(), noise[1].data(), noise[2].data()};
+    process(t, scale, {rest[0].data(), rest[1].data(), rest[2].data()}, {rest[0].data(), rest[1].data(), rest[2].data()},
+            grain != nullptr ? &here : nullptr);
     for (std::size_t c = 0; c < 3; ++c) std::copy_n(rest[c].begin(), count - i, out[c] + i);
 }
 

@@ -76,15 +76,14 @@ Curves sensitivities_of(const Columns& table) {
     return out;
 }
 
-Status check_curves(const Material& material, const Columns& curves) {
+Status check_curves(const Columns& curves) {
     const std::vector<double>& h = curves.values[0];
     for (std::size_t i = 1; i < h.size(); ++i) {
         if (std::abs(h[i] - h[i - 1] - 0.05) < 1e-9) continue;
         return Error{ErrorCode::kCorrupt,
-                     fmt::format("{}.curves.csv: log exposures must be 0.05 apart without gaps, but {} follows {}", material.file,
-                                 h[i], h[i - 1])};
+                     fmt::format("log exposures must be 0.05 apart without gaps, but {} follows {}", h[i], h[i - 1])};
     }
-    if (h.size() < 20) return Error{ErrorCode::kCorrupt, fmt::format("{}.curves.csv: needs at least 20 rows", material.file)};
+    if (h.size() < 20) return Error{ErrorCode::kCorrupt, "needs at least 20 rows"};
     return {};
 }
 
@@ -123,7 +122,7 @@ Result<Stock> Stock::make(const Material& material) {
     if (!sensitivity) return sensitivity.error();
     const Result<Columns> curves = need_table(material, "curves", {"log10_exposure", "r", "g", "b"});
     if (!curves) return curves.error();
-    if (Status s = check_curves(material, *curves); !s) return s.error();
+    if (Status s = check_curves(*curves); !s) return s.error().at((material.folder / (material.file + ".curves.csv")).string());
     Result<Dyes> dyes = dyes_of(material);
     if (!dyes) return dyes.error();
 
@@ -201,15 +200,11 @@ Triple Stock::max_amounts() const {
 }
 
 Triple Stock::coupled(const Triple& h, const Coupling& coupling) const {
-    const double k[3][3] = {
-        {0, coupling.adjacent, coupling.far}, {coupling.adjacent, 0, coupling.adjacent}, {coupling.far, coupling.adjacent, 0}};
     const double sign = material_.positive() ? -1 : 1;
     Triple out = h;
     for (std::size_t i = 0; i < 3; ++i) {
         double held = 0;
-        for (std::size_t j = 0; j < 3; ++j) {
-            if (j != i) held += k[i][j] * (amount(j, h[j]) - amount(j, h[i]));
-        }
+        for (std::size_t j = 0; j < 3; ++j) held += coupling.between(i, j) * (amount(j, h[j]) - amount(j, h[i]));
         out[i] -= sign * held;
     }
     return out;

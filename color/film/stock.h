@@ -12,6 +12,9 @@ namespace latent::film {
 // How far dye forming in a layer holds back the others, per unit amount of dye: neighbours, and red and blue.
 struct Coupling {
     double adjacent = 0, far = 0;
+
+    // Of two layers, 0 to 2; 0 of a layer and itself.
+    double between(std::size_t a, std::size_t b) const { return a == b ? 0 : a + b == 2 ? far : adjacent; }
 };
 
 class Stock {

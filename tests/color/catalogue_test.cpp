@@ -1,5 +1,6 @@
 #include "color/catalogue.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -54,6 +55,10 @@ TEST(Catalogue, FiltersPassTheirColor) {
     EXPECT_LT(pass("wratten-58", 650), 0.01);
     EXPECT_GT(pass("wratten-47", 440), 0.4);
     EXPECT_LT(pass("wratten-47", 550), 0.01);
+    for (const int hundredths : {5, 10, 20, 30, 40, 50}) {  // named for their density to green
+        const std::string magenta = fmt::format("wratten-cc{:02}m", hundredths);
+        EXPECT_NEAR(std::log10(pass(magenta.c_str(), 700) / pass(magenta.c_str(), 550)), hundredths / 100.0, 0.01) << magenta;
+    }
     for (const CatalogueEntry& entry : lens_filter_catalogue()) {
         const Spectrum filter = *lens_filter(entry.name);
         EXPECT_GE(filter.min_value(), 0) << entry.name;

@@ -134,7 +134,7 @@ TEST_F(FilmPrint, WithoutAPaperOrOfWhatIsNotOnFilmIsRefusedWithWhatToDo) {
     EXPECT_THAT(refused("xyz.exr", on("endura")), AllOf(HasSubstr("xyz.exr"), HasSubstr("latent-develop FILE.latent --film")));
     EXPECT_THAT(refused("unknown.exr", on("endura")),
                 AllOf(HasSubstr("unknown film 'kodachrome-2000'"), HasSubstr("--film FOLDER/NAME")));
-    EXPECT_THAT(refused("film.exr", on("light-table")), HasSubstr("portra-400 is a colour negative"));
+    EXPECT_THAT(refused("film.exr", on("projection")), HasSubstr("portra-400 is a colour negative"));
     ConvertOptions options = on("endura");
     options.tone = "reinhard";
     EXPECT_THAT(refused("film.exr", options), HasSubstr("--tone: does not go with --paper"));

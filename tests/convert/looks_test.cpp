@@ -11,6 +11,7 @@ namespace latent::convert {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Looks : public PrintTest {
  protected:
@@ -30,7 +31,7 @@ class Looks : public PrintTest {
         more.insert(more.begin(), {at("film.exr"), "-o", at("a.png"), "--force"});
         const testing::Outcome done = run_tool(more);
         EXPECT_EQ(done.status, status) << done.err;
-        return status == 0 ? done.out : done.err;
+        return done.out + done.err;
     }
     Bytes pixels() const { return image::decode_png(folder_ / "a.png").pixels; }
 };
@@ -60,6 +61,22 @@ TEST_F(Looks, AreTheirOptionsAndYieldToThoseThatAreGiven) {
     EXPECT_NE(other, look);
     run({"--paper", "supra-endura"});
     EXPECT_EQ(pixels(), other);
+}
+
+TEST_F(Looks, FullIsAllThatHasASizeOnAnyFilmAsFarAsItIsKnown) {
+    write("gold-200");
+    EXPECT_THAT(run({"--look", "full"}, 2), HasSubstr("add --paper endura"));
+    EXPECT_THAT(run({"--look", "full", "--paper", "endura"}), Not(HasSubstr("note")));
+    const Bytes full = pixels();
+    run({"--paper", "endura", "--grain", "--mtf", "--halation", "backed"});
+    EXPECT_EQ(pixels(), full);
+    write("tri-x-400");
+    EXPECT_THAT(run({"--look", "full", "--paper", "polymax"}), HasSubstr("its sharpness is not known, and is left out"));
+    const Bytes grainy = pixels();
+    run({"--paper", "polymax", "--grain", "--halation", "backed"});
+    EXPECT_EQ(pixels(), grainy);
+    write_picture(folder_ / "film.exr", {});
+    EXPECT_THAT(run({"--look", "full", "--paper", "endura"}, 2), HasSubstr("holds no exposures of a film"));
 }
 
 TEST_F(Looks, OfAnotherFilmOrNoneSayWhichToDevelopWith) {

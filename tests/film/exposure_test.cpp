@@ -52,18 +52,32 @@ TEST(FilmExposure, DaylightFilmSeesLampsOrangeAndTungstenFilmSeesDaylightBlue) {
     EXPECT_LT(tungsten_film[0] / tungsten_film[2], 0.5);
 }
 
-// Wratten 80A turns light of 3200 K into 5500 K; the ideal filter of 131 mired does the reverse.
+std::array<double, 3> behind(const char* filter, const char* name, const char* light) {
+    const Material material = *find_material(name, true);
+    const color::Observer film = *film_observer(material, material.exposure_index);
+    return exposures_of_white(*filter == 0 ? film : film.behind(*color::lens_filter(filter), filter, 1), light);
+}
+
+// Wratten 80A turns light of 3200 K into 5500 K; Wratten 85 and the ideal filter of 131 mired do the reverse.
 TEST(FilmExposure, ConversionFiltersMakeLightNeutralForTheFilmWithinAThirdOfAStop) {
     const auto stops_from_neutral = [](const char* name, const char* light, const char* filter) {
-        const Material material = *find_material(name, true);
-        const color::Observer film = *film_observer(material, material.exposure_index);
-        const auto h = exposures_of_white(*filter == 0 ? film : film.behind(*color::lens_filter(filter), filter, 1), light);
+        const auto h = behind(filter, name, light);
         return std::max({std::abs(std::log2(h[0] / h[1])), std::abs(std::log2(h[2] / h[1])), std::abs(std::log2(h[0] / h[2]))});
     };
     EXPECT_GT(stops_from_neutral("portra-400", "3200K", ""), 1);
     EXPECT_LT(stops_from_neutral("portra-400", "3200K", "wratten-80A"), 1.0 / 3);
     EXPECT_GT(stops_from_neutral("vision3-500t", "D55", ""), 1);
     EXPECT_LT(stops_from_neutral("vision3-500t", "D55", "mired:131"), 1.0 / 3);
+    for (const char* film : {"vision3-500t", "vision3-200t", "vision-320t"}) {
+        EXPECT_GT(stops_from_neutral(film, "D55", ""), 1) << film;
+        EXPECT_LT(stops_from_neutral(film, "D55", "wratten-85"), 1.0 / 3) << film;
+    }
+}
+
+// The data sheet of Vision3 500T: EI 500 under lamps, and 320 in daylight with Wratten 85, to a third of a stop.
+TEST(FilmExposure, AWratten85TakesAsMuchLightAsTheDataSheetSays) {
+    EXPECT_NEAR(behind("wratten-85", "vision3-500t", "D55")[1] / behind("", "vision3-500t", "3200K")[1], 320.0 / 500,
+                0.1 * 320 / 500);
 }
 
 TEST(FilmExposure, LogarithmsInvertPowers) {

@@ -109,7 +109,7 @@ TEST_F(OwnMaterial, WithAGapIsRefusedByItsLine) {
     write("mine.curves.csv", curves(-1, "-1.65,0.5,,0.5"));
     EXPECT_THAT(refused(), AllOf(HasSubstr("line 9"), HasSubstr("3 values for 4 columns")));
     write("mine.curves.csv", curves(7));
-    EXPECT_THAT(refused(), HasSubstr("0.05 apart without gaps"));
+    EXPECT_THAT(refused(), HasSubstr(name("mine.curves.csv") + ": log exposures must be 0.05 apart without gaps"));
     write("mine.curves.csv", curves(-1, "-1.65,0.5,x,0.5"));
     EXPECT_THAT(refused(), AllOf(HasSubstr("line 9"), HasSubstr("\"x\" is not a finite number")));
     write("mine.curves.csv", curves(-1, "-1.9,0.5,0.5,0.5"));

@@ -144,9 +144,18 @@ std::vector<ProcessSettings> all_kinds() {
     return all;
 }
 
+std::vector<ProcessSettings> with_negatives_on_a_light_table() {
+    std::vector<ProcessSettings> all = all_kinds();
+    for (const char* film : {"portra-400", "tri-x-400"}) {
+        const double grey = color::log10_of(10 / 400.0);
+        all.push_back({.film = *find_material(film, true), .grey = {grey, grey, grey}, .paper = "light-table"});
+    }
+    return all;
+}
+
 // The error of the tables in steps of 8 bits, behind a curve of gamma 2.4: as docs/color.md says.
 TEST(Process, RowsByTablesAreNearTheExactPrint) {
-    for (const ProcessSettings& settings : all_kinds()) {
+    for (const ProcessSettings& settings : with_negatives_on_a_light_table()) {
         SCOPED_TRACE(settings.film.name + " on " + settings.paper);
         const Process process = *Process::make(settings);
         const auto in = random_exposures(500, 10 / settings.film.exposure_index, 4);
@@ -166,7 +175,7 @@ TEST(Process, RowsByTablesAreNearTheExactPrint) {
 }
 
 TEST(Process, RowsAreTheSameWithEveryInstructionSet) {
-    for (const ProcessSettings& settings : all_kinds()) {
+    for (const ProcessSettings& settings : with_negatives_on_a_light_table()) {
         SCOPED_TRACE(settings.film.name + " on " + settings.paper);
         const Process process = *Process::make(settings);
         auto in = random_exposures(101, 10 / settings.film.exposure_index, 8);
@@ -309,8 +318,22 @@ TEST(Process, PushingRaisesTheContrast) {
     }
 }
 
+// On a light table, a negative is as dark as its densities say, which are those of the sheet.
+TEST(Process, ANegativeOnALightTableIsDarkWhereTheSceneIsLightAndItsMaskIsOrange) {
+    const Process colour =
+        *Process::make({.film = *find_material("portra-400", true), .grey = {-1.6, -1.6, -1.6}, .paper = "light-table"});
+    const Triple clear = colour({1e-9, 1e-9, 1e-9}), light = colour({1, 1, 1});
+    EXPECT_GT(clear[1], 5 * light[1]);
+    const color::Chromaticity mask = color::chromaticity({clear[0], clear[1], clear[2]});
+    EXPECT_GT(mask.x, colour.white().x + 0.05);
+    EXPECT_GT(mask.x, mask.y);
+    const Process grey =
+        *Process::make({.film = *find_material("tri-x-400", true), .grey = {-1.6, -1.6, -1.6}, .paper = "light-table"});
+    for (const double h : {0.001, 0.03, 1.0}) EXPECT_NEAR(grey({h, h, h})[1], std::pow(10, -grey.film_amounts({h, h, h})[0]), 1e-9);
+}
+
 TEST(Process, WhatDoesNotGoTogetherIsRefusedWithWhatDoes) {
-    for (const auto& [film, paper, message] : {std::tuple{"portra-400", "light-table", "endura"},
+    for (const auto& [film, paper, message] : {std::tuple{"portra-400", "projection", "endura"},
                                                {"portra-400", "polymax", "endura"},
                                                {"portra-400", "radiance", "endura"},
                                                {"velvia-50", "endura", "light-table"},

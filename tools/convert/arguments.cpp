@@ -51,7 +51,8 @@ void add_darkroom(CLI::App& app, DarkroomOptions& darkroom) {
                     "black back (bare)")
         ->type_name("none|backed|bare");
     app.add_option("--look", darkroom.look,
-                   "paper, format, grain, sharpness and halation that go with a film; --list-looks shows all")
+                   "paper, format, grain, sharpness and halation that go with a film; full: all of this for any film, on --paper; "
+                   "--list-looks shows all")
         ->type_name("NAME");
     app.add_flag_callback(
         "--list-looks",

@@ -196,7 +196,8 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     }
     if (!options.darkroom.look.empty()) {
         const auto& exposed = source->reader.image().film;
-        if (Status s = add_look(options.darkroom.look, options.input.string(), exposed ? exposed->name : "", options.darkroom); !s)
+        const std::string film = !exposed ? "" : options.darkroom.film.empty() ? exposed->name : options.darkroom.film;
+        if (Status s = add_look(options.darkroom.look, options.input.string(), film, options.darkroom, report.notes); !s)
             return s.error().at("--look");
     }
     const Result<std::shared_ptr<const film::Process>> film = darkroom_for(options, *source);

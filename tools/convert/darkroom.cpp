@@ -88,8 +88,8 @@ Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& optio
     if (!film) return film.error();
     const auto granularity = film::granularity(*film, source.reader.image().film->push);
     if (!granularity) return granularity.error().at("--grain");
-    return std::make_shared<const Emulsion>(
-        Emulsion{film::GrainField(asked.seed, pixel_um(source, asked.frame()), film->colour ? 3 : 1), *granularity});
+    return std::make_shared<const Emulsion>(Emulsion{
+        film::GrainField(asked.seed, pixel_um(source, asked.frame()), film->colour ? 3 : 1), film::layer_by_layer(*granularity)});
 }
 
 Result<FilmBlur> blur_for(const ConvertOptions& options, const Source& source) {
@@ -116,8 +116,10 @@ Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& 
     const auto& exposed = source.reader.image().film;
     const DarkroomOptions& asked = options.darkroom;
     if (asked.paper.empty()) {
-        if (Status s = check_plain(options); !s) return s.error();
-        if (!exposed) return std::shared_ptr<const film::Process>{};
+        if (!exposed) {
+            if (Status s = check_plain(options); !s) return s.error();
+            return std::shared_ptr<const film::Process>{};
+        }
         const Result<film::Material> film = film::find_material(exposed->name, true);
         const char* paper = !film || !film->colour ? "polymax" : film->positive() ? "light-table" : "endura";
         return usage_error(

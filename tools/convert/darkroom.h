@@ -45,7 +45,7 @@ Result<double> parse_format(std::string_view text);
 // What has a size on the film.
 struct Emulsion {
     film::GrainField grain;
-    std::array<film::Table1, 3> granularity;  // by amount of dye
+    film::LayerTables granularity;  // by amount of dye
 };
 // Null if nothing of that was asked for. Errors: kUnsupported, if the film's granularity is not known.
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source);

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
 #include "tools/convert/darkroom.h"
@@ -12,7 +13,9 @@ namespace latent::convert {
 // For people: each look, what it is, and the film to develop with.
 std::string list_looks();
 
-// Fills in what was not asked for otherwise. Errors: kUsage, with all names; if the picture is on another film.
-Status add_look(std::string_view name, const std::string& input, std::string_view film, DarkroomOptions& darkroom);
+// Fills in what was not asked for otherwise, and is known of the film; `notes` say what is not. Errors: kUsage, with all names; if
+// the picture is on another film, or none.
+Status add_look(std::string_view name, const std::string& input, std::string_view film, DarkroomOptions& darkroom,
+                std::vector<std::string>& notes);
 
 }  // namespace latent::convert
