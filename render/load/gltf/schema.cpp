@@ -126,8 +126,24 @@ constexpr GltfMember kAccessorMembers[] = {
 constexpr GltfObjectType kAccessor{kAccessorMembers};
 constexpr GltfMember kBufferMembers[] = {any("name"), text("uri"), required(count("byteLength"))};
 constexpr GltfObjectType kBuffer{kBufferMembers};
-constexpr GltfMember kViewMembers[] = {
-    any("name"), required(count("buffer")), count("byteOffset"), required(count("byteLength")), count("byteStride"), any("target")};
+constexpr GltfMember kMeshoptMembers[] = {required(count("buffer")),
+                                          count("byteOffset"),
+                                          required(count("byteLength")),
+                                          required(count("byteStride")),
+                                          required(count("count")),
+                                          required(text("mode")),
+                                          text("filter")};
+constexpr GltfObjectType kMeshopt{kMeshoptMembers};
+constexpr GltfMember kViewExtensionMembers[] = {object("EXT_meshopt_compression", kMeshopt),
+                                                object("KHR_meshopt_compression", kMeshopt)};
+constexpr GltfObjectType kViewExtensions{kViewExtensionMembers, true};
+constexpr GltfMember kViewMembers[] = {any("name"),
+                                       required(count("buffer")),
+                                       count("byteOffset"),
+                                       required(count("byteLength")),
+                                       count("byteStride"),
+                                       any("target"),
+                                       object("extensions", kViewExtensions)};
 constexpr GltfObjectType kView{kViewMembers};
 constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"),  count("TEXCOORD_0"),
                                             count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};
