@@ -1,5 +1,7 @@
 #include "render/program/arguments.h"
 
+#include <algorithm>
+
 #include "base/parse.h"
 #include "sampledb/data/parse.h"
 
@@ -17,6 +19,14 @@ Result<Resolution> parse_resolution(std::string_view text) {
     if (size && size->first > 0 && size->second > 0 && size->first <= kMax && size->second <= kMax)
         return Resolution{static_cast<std::uint32_t>(size->first), static_cast<std::uint32_t>(size->second)};
     return is_not(text, "a resolution (try 1920x1080)");
+}
+
+Result<std::array<double, 2>> parse_shutter(std::string_view text) {
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    const Result<double> open = parse_number(text.substr(0, colon)),
+                         close = parse_number(text.substr(std::min(colon + 1, text.size())));
+    if (open && close && 0 <= *open && *open < *close && *close <= 1e6) return std::array{*open, *close};
+    return is_not(text, "a range of seconds (try 0:0.02)");
 }
 
 Result<std::uint32_t> parse_depth(std::string_view text) {
