@@ -50,14 +50,28 @@ def name_of(scene):
     return name if stem in ("", ".", "..") else stem  # ...pbrt
 
 
+def moments(args, scenes):
+    """(name, scene, options) of each frame of --frames: the moments of one animated scene."""
+    if len(scenes) != 1:
+        raise Misuse("--frames: needs one scene, whose animation it divides")
+    if Folder(args.out).has_plan():
+        raise Misuse(f"{args.out}: holds the plan of a single scene; choose another --out")
+    first, last = args.frames
+    digits = max(4, len(str(last)))
+    for number in range(first, last + 1):
+        yield f"{name_of(scenes[0])}.{number:0{digits}}", scenes[0], ["--time", f"{number / (args.fps or 24):.9g}"]
+
+
 def frames_of(args):
     """[(folder, arguments)]: one for each scene, with a folder of its own in --out if there are several; without scenes, what is
     planned already."""
-    def frame(folder, scene):
-        return folder, argparse.Namespace(**{**vars(args), "scene": scene})
+    def frame(folder, scene, options=()):
+        return folder, argparse.Namespace(**{**vars(args), "scene": scene, "options": [*args.options, *options]})
 
     scenes = scenes_of(args.scene or [])
     folders = planned(args.out)
+    if getattr(args, "frames", None):
+        return [frame(Folder(pathlib.Path(args.out) / name), scene, options) for name, scene, options in moments(args, scenes)]
     if not scenes:
         if not folders:
             raise Misuse(f"{args.out}: holds no plan yet; name a scene and --spp")

@@ -1,5 +1,6 @@
 """The command line of latent-farm: options and help."""
 import argparse
+import re
 import shlex
 
 from latent_farm import units
@@ -13,6 +14,8 @@ TIME is in seconds, or like 90s, 10m, 1.5h or 1h30m."""
 STATUSES = """Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not
 be written; 75 interrupted, all finished work saved: run the same command again
 to resume."""
+
+MOST_FRAMES = 100_000
 
 
 def number(least, most=MOST_TASKS):
@@ -62,6 +65,14 @@ def fps(text):
     return float(value)
 
 
+def frame_range(text):
+    """(first, last), of A:B."""
+    ends = [int(end) for end in text.split(":")] if re.fullmatch(r"\d{1,9}:\d{1,9}", text, re.ASCII) else []
+    if len(ends) != 2 or not ends[0] <= ends[1] < ends[0] + MOST_FRAMES:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a range of up to {MOST_FRAMES} frames, such as 1:120")
+    return tuple(ends)
+
+
 def time_limit(text):
     return 0 if text == "auto" else units.parse_duration(text)
 
@@ -100,6 +111,8 @@ def add_scene(command, required):
     command.argument("scene", "scene file for latent-render, or several: the frames of an animation", metavar="SCENE",
                      nargs="+" if required else "*")
     command.option("--out", "DIR", "folder of the plan, its parts and its pictures", required=True)
+    command.option("--frames", "A:B", "frames A to B of the animation in one glTF scene; frame N shows the moment of N / fps seconds",
+                   type=frame_range)
     command.option("--spp", "N", "samples per pixel", type=spp)
     command.option("--tasks", "auto|N", "number of tasks", type=tasks, default=0, shown_default="auto")
     add_steps(command)

@@ -1,5 +1,8 @@
 #include "render/bsdf/dielectric.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "render/bsdf/fresnel.h"
 
 namespace latent::render {
@@ -10,9 +13,23 @@ float across(const Vec3f& w, float eta) { return w.z > 0 ? eta : 1 / eta; }
 
 }  // namespace
 
+float Dielectric::reflectance(const Vec3f& w, float c, std::uint32_t lane) const {
+    const float eta = across(w, (*eta_)[lane]), bare = fresnel_dielectric(c, eta);
+    if (film_.share == 0 || bare == 1) return bare;
+    const float c_air = w.z > 0 ? c : std::sqrt(std::max(0.0f, 1 - (1 - c * c) / (eta * eta)));
+    const float filmed = ThinFilm::Ray(film_, c_air).reflectance((*eta_)[lane], wavelengths_->lambda_nm[lane]);
+    return bare + film_.share * (filmed - bare);
+}
+
 SampledSpectrum Dielectric::reflectance(const Vec3f& w, float c) const {
-    if (!dispersive_) return SampledSpectrum(fresnel_dielectric(c, across(w, eta_kept_)));
-    return spectrum_of([&](std::uint32_t i) { return fresnel_dielectric(c, across(w, (*eta_)[i])); });
+    if (!dispersive_ && film_.share == 0) return SampledSpectrum(reflectance(w, c, kept_));
+    return spectrum_of([&](std::uint32_t i) { return reflectance(w, c, i); });
+}
+
+// At the kept wavelength, if light is dispersed; a film may reflect nothing there, but much elsewhere.
+float Dielectric::probability(const Vec3f& w, float c) const {
+    if (dispersive_ || film_.share == 0) return reflectance(w, c, kept_);
+    return mean_of(reflectance(w, c), wavelengths_->k);
 }
 
 // Reflection F D G / (4 |cos cos|); transmission (1 - F) D G |camera.m light.m| / (|cos cos| (light.m + camera.m / eta)^2 eta^2),
@@ -31,7 +48,11 @@ void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Sam
         value *= reflectance(w_camera, cosine);
         value *= dg / (4 * std::abs(w_camera.z));
     } else {
-        const float t = 1 - fresnel_dielectric(cosine, eta);
+        if (film_.share > 0) {
+            const SampledSpectrum f = reflectance(w_camera, cosine);
+            value *= spectrum_of([&](std::uint32_t i) { return 1 - f.v[i]; });
+        }
+        const float t = film_.share > 0 ? 1 : 1 - fresnel_dielectric(cosine, eta);
         value *= t * dg * cosine * refraction_jacobian(w_camera, w_light, m, eta) / (std::abs(w_camera.z) * eta * eta);
         if (transmittance_ != nullptr) value *= *transmittance_;
     }
@@ -42,17 +63,17 @@ float Dielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
     const float eta = across(wo, eta_kept_);
     Vec3f m;
     if (!half_vector(wo, wi, same_side ? 1 : eta, m)) return 0;
-    const float f = fresnel_dielectric(abs_dot(wo, m), eta);
+    const float f = probability(wo, abs_dot(wo, m));
     const float d = facets_.visible_density(wo, m);
     return same_side ? f * d / (4 * abs_dot(wo, m)) : (1 - f) * d * refraction_jacobian(wo, wi, m, eta);
 }
 
-// Reflection with probability F, at the kept wavelength, of refraction else.
+// Reflection with probability F, refraction else.
 bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
     if (is_delta()) return sample_smooth(wo, u_lobe, out, weight);
     const Vec3f m = facets_.sample_visible(wo, u, v);
     const float eta = across(wo, eta_kept_);
-    const bool reflected = u_lobe < fresnel_dielectric(abs_dot(wo, m), eta);
+    const bool reflected = u_lobe < probability(wo, abs_dot(wo, m));
     if (reflected) {
         out.wi = m * (2 * dot(wo, m)) - wo;
     } else if (!refract(wo, face_forward(m, wo), eta, out.wi)) {
@@ -63,18 +84,22 @@ bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, Closure
 }
 
 bool Dielectric::sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, SampledSpectrum& weight) const {
-    const float c = std::abs(wo.z), eta = across(wo, eta_kept_), f = fresnel_dielectric(c, eta);
+    const float c = std::abs(wo.z), eta = across(wo, eta_kept_), f = probability(wo, c);
     out.delta = true;
     if (u_lobe < f) {
         out.wi = {-wo.x, -wo.y, wo.z};
         out.probability = out.probability_reverse = f;
-        if (dispersive_) {
+        if (dispersive_ || film_.share > 0) {
             weight *= reflectance(wo, c);
             weight *= 1 / f;
         }
         return true;
     }
     if (!refract(wo, Vec3f{0, 0, wo.z > 0 ? 1.0f : -1.0f}, eta, out.wi)) return false;
+    if (film_.share > 0) {
+        const SampledSpectrum reflected = reflectance(wo, c);
+        weight *= spectrum_of([&](std::uint32_t i) { return (1 - reflected.v[i]) / (1 - f); });
+    }
     if (transmittance_ != nullptr) weight *= *transmittance_;
     out.eta2 = eta * eta;
     out.probability = 1 - f;

@@ -4,32 +4,37 @@
 
 #include "render/bsdf/closure.h"
 #include "render/bsdf/microfacet.h"
+#include "render/bsdf/thin_film.h"
 
 namespace latent::render {
 
 class Dielectric {
  public:
     static constexpr std::string_view kName = "dielectric";
-    static constexpr std::array kInputs = {Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
-                                           Input{.name = "transmittance", .may_be_missing = true}};
+    static constexpr std::array kInputs = joined(std::array{Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
+                                                            Input{.name = "transmittance", .may_be_missing = true}},
+                                                 ThinFilm::kInputs);
     static constexpr bool kTransmits = true;
 
     explicit Dielectric(const Values<Dielectric>& v)
         : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y"),
-                     v.find("transmittance")) {}
+                     v.find("transmittance"), ThinFilm::of(v), &v.site.spectra.wavelengths) {}
     static bool is_isotropic(const Values<Dielectric>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
     // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes. What is refracted is
-    // multiplied by `transmittance`, if there is one.
+    // multiplied by `transmittance`, if there is one. A `film` lies on the front side, in air; it is evaluated at `wavelengths`.
     Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y,
-               const SampledSpectrum* transmittance = nullptr)
+               const SampledSpectrum* transmittance = nullptr, const ThinFilm& film = {}, const Wavelengths* wavelengths = nullptr)
         : eta_(&eta),
           transmittance_(transmittance),
+          film_(film),
+          wavelengths_(wavelengths),
+          kept_(kept),
           eta_kept_(eta[kept]),
           facets_(Microfacets::of_alpha(alpha_x, alpha_y)),
           dispersive_(dispersive) {}
 
-    bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_); }
+    bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_ && film_.share == 0); }
     SampledSpectrum albedo() const { return transmittance_ ? *transmittance_ : SampledSpectrum(1.0f); }
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return dispersive_ && w_camera.z * w_light.z < 0; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
@@ -38,10 +43,15 @@ class Dielectric {
 
  private:
     bool sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, SampledSpectrum& weight) const;
-    // In each wavelength, for light that meets a facet at cosine c from the side of w.
+    // For light that meets a facet at cosine c from the side of w: in one wavelength, in each, and how often it is drawn.
+    float reflectance(const Vec3f& w, float c, std::uint32_t lane) const;
     SampledSpectrum reflectance(const Vec3f& w, float c) const;
+    float probability(const Vec3f& w, float c) const;
 
     const SampledSpectrum *eta_, *transmittance_;
+    ThinFilm film_;
+    const Wavelengths* wavelengths_;
+    std::uint32_t kept_;
     float eta_kept_;
     Microfacets facets_;
     bool dispersive_;

@@ -25,6 +25,7 @@ struct Input {
     bool may_be_missing = false;   // or null
     bool is_index = false;         // of refraction: what passes is dispersed if it varies with wavelength
     bool is_alpha = false;         // of GGX facets, along local x or y
+    bool is_directed = false;      // a number that, if it is not 0, needs to know where the coordinates of textures run
     std::string_view factor = {};  // the number, constant, that multiplies the spectrum
 
     static constexpr Input reflectance(std::string_view name) { return {.name = name}; }
@@ -34,6 +35,9 @@ struct Input {
     }
     static constexpr Input alpha(std::string_view name) {
         return {.name = name, .role = InputRole::kNumber, .high = 1e6f, .is_alpha = true};
+    }
+    static constexpr Input directed(std::string_view name, float otherwise) {
+        return {.name = name, .role = InputRole::kNumber, .otherwise = otherwise, .is_directed = true};
     }
     static constexpr Input option(std::string_view name, float otherwise) {
         return {.name = name, .role = InputRole::kOption, .otherwise = otherwise};
@@ -74,6 +78,7 @@ struct ClosureSite {
     Vec3f p;
     bool ribbon;
     float across;                              // of a ribbon: -1 to 1 along local y
+    bool mirrored = false;                     // dp/dv lies against local y; of materials that are directed
     const MeasuredTables* measured = nullptr;  // of a material that was measured
 };
 

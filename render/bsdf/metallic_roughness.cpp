@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/bsdf/fresnel.h"
+#include "render/math/elementary.h"
 #include "render/sampling/warp.h"
 
 namespace latent::render {
@@ -14,10 +15,22 @@ constexpr float kCoatF0 = 0.04f;  // index 1.5
 
 float alpha_of(float roughness) { return roughness * roughness; }
 
-Microfacets facets_of(float alpha) {
-    const float a = std::max(alpha, MetallicRoughness::kMinAlpha);
-    return {a, a};
+Microfacets facets_of(float alpha, float anisotropy = 0) {
+    const float along = alpha + (1 - alpha) * anisotropy * anisotropy;
+    return {std::max(along, MetallicRoughness::kMinAlpha), std::max(alpha, MetallicRoughness::kMinAlpha)};
 }
+
+// Unit, in the frame of dp/du.
+Vec2f direction_of(float x, float y, float turns, bool mirrored) {
+    const SinCos r = sincos_turns(turns);
+    const Vec2f given{2 * x - 1, 2 * y - 1}, turned{r.cos * given.x - r.sin * given.y, r.sin * given.x + r.cos * given.y};
+    const float size = std::sqrt(turned.x * turned.x + turned.y * turned.y);
+    if (!(size > 0)) return {1, 0};
+    return {turned.x / size, (mirrored ? -turned.y : turned.y) / size};
+}
+
+// Whose albedo is about that of the facets.
+float mean_alpha(const Microfacets& facets) { return 0.5f * (facets.alpha_x + facets.alpha_y); }
 
 // D G / (4 |a.z| |b.z|), for the half vector m.
 float facets_over_cosines(const Microfacets& facets, const Vec3f& a, const Vec3f& b, const Vec3f& m) {
@@ -33,10 +46,16 @@ MetallicRoughness::MetallicRoughness(const Values<MetallicRoughness>& v)
                          .f0 = v.number("f0"),
                          .f90 = v.number("f90"),
                          .coat = v.number("coat"),
-                         .coat_alpha = alpha_of(v.number("coat_roughness"))},
-                        v.find("specular_color")) {}
+                         .coat_alpha = alpha_of(v.number("coat_roughness")),
+                         .anisotropy = v.number("anisotropy"),
+                         .direction = is_isotropic(v) ? Vec2f{1, 0}
+                                                      : direction_of(v.number("anisotropy_x"), v.number("anisotropy_y"),
+                                                                     v.number("anisotropy_turns"), v.site.mirrored),
+                         .film = ThinFilm::of(v)},
+                        v.find("specular_color"), &v.site.spectra) {}
 
-MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Parameters& p, const SampledSpectrum* specular_color)
+MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Parameters& p, const SampledSpectrum* specular_color,
+                                     SampledSpectra* spectra)
     : base_(&base),
       specular_color_(specular_color),
       brightest_(base.max()),
@@ -44,29 +63,85 @@ MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Paramete
       f0_(p.f0),
       f90_(p.f90),
       coat_(p.coat),
-      facets_(facets_of(p.alpha)),
+      alpha_(mean_alpha(facets_of(p.alpha, p.anisotropy))),
+      direction_(p.direction),
+      facets_(facets_of(p.alpha, p.anisotropy)),
       coat_facets_(facets_of(p.coat_alpha)),
-      metal_albedo_(brightest_, 1, facets_.alpha_x),
-      albedo_(specular_color != nullptr ? p.f0 * specular_color->max() : p.f0, p.f90, facets_.alpha_x),
-      min_albedo_(specular_color != nullptr ? p.f0 * std::ranges::min(specular_color->v) : p.f0, p.f90, facets_.alpha_x),
-      coat_albedo_(kCoatF0, 1, coat_facets_.alpha_x) {}
+      metal_albedo_(brightest_, 1, alpha_),
+      albedo_(specular_color != nullptr ? p.f0 * specular_color->max() : p.f0, p.f90, alpha_),
+      min_albedo_(specular_color != nullptr ? p.f0 * std::ranges::min(specular_color->v) : p.f0, p.f90, alpha_),
+      coat_albedo_(kCoatF0, 1, coat_facets_.alpha_x) {
+    if (p.film.share > 0) filmed_ = &spectra->store(filmed(p.film, spectra->wavelengths));
+}
 
-void MetallicRoughness::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
+MetallicRoughness::Filmed MetallicRoughness::filmed(const ThinFilm& film, const Wavelengths& wavelengths) const {
+    Filmed out;
+    out.film = film;
+    out.lambda_nm = wavelengths.lambda_nm;
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+        out.f0.v[i] = f0_ * (specular_color_ != nullptr ? specular_color_->v[i] : 1);
+        out.dielectric_eta.v[i] = index_of_reflectance(out.f0.v[i]);
+        out.metal_eta.v[i] = index_of_reflectance(base_->v[i]);
+    }
+    for (int j = 0; j < FacetWeights::kNodes; ++j) {
+        const float c = FacetWeights::node(j), rise = schlick_rise(c);
+        const ThinFilm::Ray ray(film, c);
+        out.mean_at_node[j] = 0;
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+            const float bare = out.f0.v[i] + (f90_ - out.f0.v[i]) * rise;
+            out.at_node[j].v[i] = bare + film.share * (ray.reflectance(out.dielectric_eta.v[i], wavelengths.lambda_nm[i]) - bare);
+            if (i < wavelengths.k) out.mean_at_node[j] += out.at_node[j].v[i] / static_cast<float>(wavelengths.k);
+        }
+    }
+    return out;
+}
+
+SampledSpectrum MetallicRoughness::filmed_albedo(const FacetWeights& weights) const {
+    SampledSpectrum out(0.0f);
+    for (int j = 0; j < FacetWeights::kNodes; ++j) out += filmed_->at_node[j] * weights.weight[static_cast<std::size_t>(j)];
+    return out;
+}
+
+SampledSpectrum MetallicRoughness::filmed_surface(float mu, float mu_light, float c, float d) const {
+    const Filmed& f = *filmed_;
+    const ThinFilm::Ray ray(f.film, c);
+    const float rise = schlick_rise(c);
+    const SampledSpectrum e = filmed_albedo(FacetWeights::at(mu, alpha_)),
+                          e_light = filmed_albedo(FacetWeights::at(mu_light, alpha_)),
+                          mean = filmed_albedo(FacetWeights::mean(alpha_));
+    return spectrum_of([&](std::uint32_t i) {
+        const auto covered = [&](float f0, float f90, float eta) {
+            const float bare = f0 + (f90 - f0) * rise;
+            return bare + f.film.share * (ray.reflectance(eta, f.lambda_nm[i]) - bare);
+        };
+        const float body = base_->v[i] * kInvPi * (1 - e.v[i]) * (1 - e_light.v[i]) / std::max(1 - mean.v[i], 1e-6f);
+        return (1 - metallic_) * (body + d * covered(f.f0.v[i], f90_, f.dielectric_eta.v[i])) +
+               metallic_ * d * covered(base_->v[i], 1, f.metal_eta.v[i]);
+    });
+}
+
+void MetallicRoughness::multiply_f_cos(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
+    const Vec3f w_camera = along_facets(camera), w_light = along_facets(light);
     const float mu = std::abs(w_camera.z), mu_light = std::abs(w_light.z);
     const float below =
         coat_ > 0 ? (1 - coat_ * coat_albedo_(mu)) * (1 - coat_ * coat_albedo_(mu_light)) : 1;  // what the coat passes, twice
     float times_base = (1 - metallic_) * kInvPi * (1 - albedo_(mu)) * (1 - albedo_(mu_light)) / std::max(1 - albedo_.mean(), 1e-6f),
           constant = 0;
-    float coat = 0, rise = 0, d = 0;
+    float coat = 0, rise = 0, d = 0, c = 1;
     Vec3f m;
     if (half_vector(w_camera, w_light, 1, m)) {
-        rise = schlick_rise(abs_dot(w_camera, m)), d = facets_over_cosines(facets_, w_camera, w_light, m);
+        c = abs_dot(w_camera, m), rise = schlick_rise(c), d = facets_over_cosines(facets_, w_camera, w_light, m);
         times_base += metallic_ * (1 - rise) * d;
         constant = (metallic_ * rise + (1 - metallic_) * (f0_ + (f90_ - f0_) * rise)) * d;
         if (coat_ > 0) coat = coat_ * (kCoatF0 + (1 - kCoatF0) * rise) * facets_over_cosines(coat_facets_, w_camera, w_light, m);
     }
+    if (filmed_ != nullptr) {
+        const SampledSpectrum surface = filmed_surface(mu, mu_light, c, d);
+        value *= spectrum_of([&](std::uint32_t i) { return (below * surface.v[i] + coat) * mu_light; });
+        return;
+    }
     if (specular_color_ != nullptr) {  // body and facets differ with wavelength: E = f0 c e0 + e90
-        const SchlickAlbedo e0(1, 0, facets_.alpha_x), e90(0, f90_, facets_.alpha_x);
+        const SchlickAlbedo e0(1, 0, alpha_), e90(0, f90_, alpha_);
         const float e = e0(mu), e_light = e0(mu_light), mean = e0.mean(), rest = 1 - e90(mu), rest_light = 1 - e90(mu_light),
                     rest_mean = 1 - e90.mean();
         for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
@@ -84,15 +159,23 @@ void MetallicRoughness::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_lig
 }
 
 MetallicRoughness::Lobes MetallicRoughness::lobes(const Vec3f& wo) const {
-    const float mu = std::abs(wo.z), coat = coat_ > 0 ? coat_ * coat_albedo_(mu) : 0, e = albedo_(mu);
+    const float mu = std::abs(wo.z), coat = coat_ > 0 ? coat_ * coat_albedo_(mu) : 0;
+    float e = albedo_(mu);
+    if (filmed_ != nullptr) {
+        const FacetWeights weights = FacetWeights::at(mu, alpha_);
+        e = 0;
+        for (std::size_t j = 0; j < weights.weight.size(); ++j) e += weights.weight[j] * filmed_->mean_at_node[j];
+    }
     const float facets = (1 - coat) * (metallic_ * metal_albedo_(mu) + (1 - metallic_) * e),
-                diffuse = (1 - coat) * (1 - metallic_) * brightest_ * (1 - (specular_color_ != nullptr ? min_albedo_(mu) : e)),
+                diffuse = (1 - coat) * (1 - metallic_) * brightest_ *
+                          (1 - (specular_color_ != nullptr && filmed_ == nullptr ? min_albedo_(mu) : e)),
                 sum = coat + facets + diffuse;
     if (!(sum > 0)) return {0, 0};
     return {coat / sum, facets / sum};
 }
 
-float MetallicRoughness::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
+float MetallicRoughness::pdf_omega(const Vec3f& out, const Vec3f& in) const {
+    const Vec3f wo = along_facets(out), wi = along_facets(in);
     const Lobes p = lobes(wo);
     float pdf = std::max(1 - p.coat - p.facets, 0.0f) * kInvPi * std::abs(wi.z);
     Vec3f m;
@@ -106,8 +189,9 @@ float MetallicRoughness::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
 bool MetallicRoughness::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
     const Lobes p = lobes(wo);
     if (u_lobe < p.coat + p.facets) {
-        const Vec3f m = (u_lobe < p.coat ? coat_facets_ : facets_).sample_visible(wo, u, v);
-        out.wi = m * (2 * dot(wo, m)) - wo;
+        const Vec3f w = along_facets(wo), m = (u_lobe < p.coat ? coat_facets_ : facets_).sample_visible(w, u, v);
+        const Vec3f wi = m * (2 * dot(w, m)) - w;
+        out.wi = {wi.x * direction_.x - wi.y * direction_.y, wi.x * direction_.y + wi.y * direction_.x, wi.z};
     } else {
         out.wi = sample_cosine_hemisphere(u, v);
         if (wo.z < 0) out.wi.z = -out.wi.z;

@@ -26,6 +26,7 @@ class Sheen {
         float alpha;  // the square of roughness
     };
     explicit Sheen(const Values<Sheen>& v);
+    static bool is_isotropic(const Values<Sheen>& v) { return MetallicRoughness::is_isotropic(v); }
     explicit Sheen(const State& state);
 
     bool is_delta() const { return false; }

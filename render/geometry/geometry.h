@@ -38,6 +38,7 @@ struct SurfaceHit {
     std::uint32_t inside_medium, outside_medium;  // equal: the surface does not change the ray's medium
     bool ribbon;                                  // ShapeDescription::ribbon
     float across;                                 // of it, if it was asked for: -1 to 1 along ns x dpdu
+    bool mirrored = false;                        // if it was asked for: dp/dv lies against ns x dpdu
     PrimitivePoint on;
 
     Interaction interaction() const { return {p, error, ng, error_per_length}; }

@@ -32,7 +32,7 @@ std::string paragraph(std::string_view name, const Words& words) {
 }  // namespace
 
 std::string list_features() {
-    std::string text = "pbrt-v4 (.pbrt)\n", own_types, parameters, replaced;
+    std::string text = "pbrt-v4 (.pbrt; pbrt-v3: docs/scenes.md, \"Scenes for pbrt-v3\")\n", own_types, parameters, replaced;
     const auto is_of_pbrt = [](std::string_view type) { return type != "phong" && !type.starts_with("latent:"); };
     for (const PbrtFeature& feature : pbrt_features()) {
         std::vector<std::string_view> of_pbrt, own;

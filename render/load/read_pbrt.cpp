@@ -8,6 +8,7 @@
 
 #include "render/load/pbrt/builder.h"
 #include "render/load/pbrt/features.h"
+#include "render/load/pbrt/from_v3.h"
 #include "render/load/scene_format.h"
 
 namespace latent::render {
@@ -24,16 +25,23 @@ Model nothing_with(color::RgbSpectra rgb_spectra) {
 
 class PbrtLoader {
  public:
+    // `is_v3`: in the language of pbrt-v3.
     PbrtLoader(const std::filesystem::path& path, const PbrtUse& use, color::RgbSpectra rgb_spectra,
-               std::vector<std::string>& names, Diagnostics& diagnostics)
+               std::vector<std::string>& names, Diagnostics& diagnostics, bool is_v3)
         : path_(path),
           model_(nothing_with(rgb_spectra)),
           files_(path),
           names_(names),
           diagnostics_(diagnostics),
-          builder_(model_.scene, files_, diagnostics_, use) {}
+          builder_(model_.scene, files_, diagnostics_, use),
+          is_v3_(is_v3),
+          from_v3_(diagnostics) {}
+
+    // Reading ended where the scene turned out to be in the language of pbrt-v3.
+    bool turned_out_as_v3() const { return !is_v3_ && found_ == 3; }
 
     Result<Model> load() {
+        if (is_v3_) diagnostics_.note(path_.string(), "is a scene for pbrt-v3, and is read as pbrt-v4 would say it");
         if (const Status read = file(path_, 0); !read) return read.error();
         if (!stopped_) builder_.finish(end_);
         if (!diagnostics_.errors().empty()) return Error{garbled_ ? ErrorCode::kCorrupt : ErrorCode::kUnsupported, errors()};
@@ -54,7 +62,7 @@ class PbrtLoader {
         }
         const auto [index, is_new] = indexes_.try_emplace(path, static_cast<std::uint32_t>(names_.size()));
         if (is_new) names_.push_back(path.string());
-        DirectiveReader reader(*text, index->second);
+        DirectiveReader reader(*text, index->second, is_v3_);
         bool begun = false;  // there was a directive
         while (!stopped_) {
             const auto directive = reader.next();
@@ -62,23 +70,25 @@ class PbrtLoader {
                 const std::string_view format = foreign_format(*text);
                 if (!format.empty() || (directive && depth == 0)) return not_pbrt(path, format);
                 // What a scene includes may be any file of this machine: it is not quoted.
-                if (!directive && depth > 0 && !directive.error().is_of_pbrt_v3)
+                if (!directive && depth > 0 && directive.error().pbrt_version == 4)
                     return not_pbrt(path, "its first word is not a directive");
             }
             begun = true;
             if (!directive) {
                 lose(directive.error());
-                is_v3_ = is_v3_ || directive.error().is_of_pbrt_v3;
-                stopped_ = is_v3_;  // there would be an error of this kind in every line
+                found_ = directive.error().pbrt_version;
+                stopped_ = found_ != 4;  // there would be an error of this kind in every line
                 continue;
             }
             if (!*directive) break;
-            const Directive& d = **directive;
+            Directive d = std::move(**directive);
             end_ = d.where;
-            is_v3_ = is_v3_ || (!d.strings.empty() && is_of_pbrt_v3(d.name, d.strings[0]));
-            if (d.name == "Include" || d.name == "Import") {
+            if (!is_v3_ && is_of_pbrt_v3(d)) {
+                found_ = 3;
+                stopped_ = true;
+            } else if (d.name == "Include" || d.name == "Import") {
                 include(d, depth);
-            } else {
+            } else if (!is_v3_ || from_v3_.translate(d)) {
                 builder_.apply(d);
             }
         }
@@ -121,10 +131,8 @@ class PbrtLoader {
 
     std::string errors() const {
         const std::string all = fmt::format("{}", fmt::join(diagnostics_.errors(), "\n"));
-        if (!is_v3_) return all;
-        return fmt::format(
-            "{}: seems to be a scene for pbrt-v3; pbrt-v4 converts such scenes: pbrt --upgrade OLD.pbrt > NEW.pbrt\n{}",
-            path_.string(), all);
+        if (found_ != 2) return all;
+        return fmt::format("{}: is a scene for pbrt-v2, which is not supported; pbrt-v3 and pbrt-v4 are\n{}", path_.string(), all);
     }
 
     std::filesystem::path path_;
@@ -136,16 +144,27 @@ class PbrtLoader {
     SourceLocation end_;
     std::vector<std::filesystem::path> open_{path_};          // each included by the one before
     std::map<std::filesystem::path, std::uint32_t> indexes_;  // in names_
-    bool is_v3_ = false;                                      // one had a type or a word of pbrt-v3
-    bool garbled_ = false;                                    // there was an error of syntax
-    bool stopped_ = false;                                    // nothing more is read
+    const bool is_v3_;
+    FromPbrtV3 from_v3_;
+    int found_ = 4;         // the version of pbrt that a type or a word belongs to
+    bool garbled_ = false;  // there was an error of syntax
+    bool stopped_ = false;  // nothing more is read
 };
 
 }  // namespace
 
 Result<Model> read_pbrt(const std::filesystem::path& path, const PbrtUse& use, color::RgbSpectra rgb_spectra,
                         std::vector<std::string>& names, Diagnostics& diagnostics) {
-    return PbrtLoader(path, use, rgb_spectra, names, diagnostics).load();
+    const Diagnostics before = diagnostics;
+    const std::size_t known = names.size();
+    {
+        PbrtLoader loader(path, use, rgb_spectra, names, diagnostics, false);
+        Result<Model> model = loader.load();
+        if (!loader.turned_out_as_v3()) return model;
+    }
+    diagnostics = before;
+    names.resize(known);
+    return PbrtLoader(path, use, rgb_spectra, names, diagnostics, true).load();
 }
 
 }  // namespace latent::render

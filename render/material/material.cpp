@@ -64,6 +64,7 @@ Material::Source Material::source(const Input& input, const MaterialDescription&
         out.number = textures.source(d.number(input.name, input.otherwise));
         out.number.value = within(input, out.number.value);
         out.is_root = input.is_alpha && d.remap_roughness;
+        is_textured_ |= input.is_directed && out.number.value != 0;
     } else if (const auto spectrum = d.spectra.find(input.name); spectrum != d.spectra.end() || !input.may_be_missing) {
         const SpectrumInput described = spectrum != d.spectra.end() ? spectrum->second : SpectrumInput();
         out.spectrum = textures.source(described, library);
@@ -114,7 +115,8 @@ std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*
 
 template <Closure C>
 Bsdf Material::make(const Material& material, const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) {
-    Values<C> values({*point.spectra, kept, hit.p, hit.ribbon, hit.ribbon ? hit.across : 0, material.measured_.get()});
+    Values<C> values(
+        {*point.spectra, kept, hit.p, hit.ribbon, hit.ribbon ? hit.across : 0, hit.mirrored, material.measured_.get()});
     const auto evaluate = [&]<std::size_t I>() {
         constexpr const Input& kInput = C::kInputs[I];
         const Source& source = material.sources_[I];

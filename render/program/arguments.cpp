@@ -21,6 +21,14 @@ Result<Resolution> parse_resolution(std::string_view text) {
     return is_not(text, "a resolution (try 1920x1080)");
 }
 
+Result<std::array<double, 2>> parse_shutter(std::string_view text) {
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    const Result<double> open = parse_number(text.substr(0, colon)),
+                         close = parse_number(text.substr(std::min(colon + 1, text.size())));
+    if (open && close && 0 <= *open && *open < *close && *close <= 1e6) return std::array{*open, *close};
+    return is_not(text, "a range of seconds (try 0:0.02)");
+}
+
 Result<std::uint32_t> parse_depth(std::string_view text) {
     if (text == "unlimited") return kUnlimited;
     const Result<std::uint64_t> depth = parse_count(text);

@@ -46,6 +46,9 @@ void add_model_arguments(CLI::App& app, ModelOptions& model) {
     app.add_option("--time", model.time, "moment of the first animation of a glTF file, in seconds (default: it rests)")
         ->type_name("SECONDS")
         ->check(CLI::Validator(CLI::Range(0.0, 1e6)).description(""));
+    cli::add_parsed(app, "--shutter", model.shutter, parse_shutter,
+                    "the shutter is open from A to B seconds after --time, and what moves is blurred")
+        ->type_name("A:B");
     cli::add_choice<ModelView>(
         app, "--view", model.view,
         {{"three-quarter", ModelView::kThreeQuarter}, {"front", ModelView::kFront}, {"top", ModelView::kTop}},

@@ -1,10 +1,13 @@
 """latent-farm plans, runs and extends a render, with real tools on a small scene: its picture is that of a single process."""
+import base64
 import json
 import os
+import pathlib
 import resource
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import time
@@ -12,6 +15,20 @@ import unittest
 
 from support import SCENE, SOURCE, TOOLS, FarmTest, one_frame, run
 from latent_farm.strips import Strip
+
+
+def animated_triangle():
+    """glTF: a triangle that moves up by 1 within a second."""
+    numbers = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<2f", 0, 1) + struct.pack("<6f", 0, 0, 0, 0, 1, 0)
+    views = [(0, 36), (36, 8), (44, 24)]
+    types = [("VEC3", 3), ("SCALAR", 2), ("VEC3", 2)]
+    return {"asset": {"version": "2.0"},
+            "buffers": [{"byteLength": len(numbers), "uri": "data:;base64," + base64.b64encode(numbers).decode()}],
+            "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in views],
+            "accessors": [{"bufferView": view, "componentType": 5126, "type": kind, "count": count} for view, (kind, count) in enumerate(types)],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "cameras": [{"type": "perspective", "perspective": {"yfov": 1}}],
+            "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 3]}], "scenes": [{"nodes": [0, 1]}],
+            "animations": [{"samplers": [{"input": 1, "output": 2}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]}
 
 
 class Plan(FarmTest):
@@ -265,6 +282,29 @@ class Plan(FarmTest):
         self.assertEqual([frame["steps_left"] for frame in status["frames"]], [[], [], []])
         self.fail_with("frames of an animation", "latent-farm", "plan", scenes[0], *arguments, status=2)
         self.fail_with("same folder", "latent-farm", "plan", scenes[0], scenes[0], "--spp", 1, "--out", self.folder / "x", status=2)
+
+    def test_frames_are_moments_of_an_animation(self):
+        scene = self.folder / "door.gltf"
+        scene.write_text(json.dumps(animated_triangle()))
+        farm = ["latent-farm", "plan", "--json", scene, "--frames", "0:4", "--fps", 2, "--spp", 1, "--out", self.folder / "film",
+                "--engine", "shell", "--", "--resolution", "16x16"]
+        frames = json.loads(self.succeed(*farm).stdout)["frames"]
+        self.assertEqual([pathlib.Path(frame["folder"]).name for frame in frames], [f"door.000{number}" for number in range(5)])
+        # It moves for a second: two frames are at its end, or after it.
+        jobs = [frame["job"] for frame in frames]
+        self.assertEqual(len(set(jobs[:3])), 3)
+        self.assertEqual(jobs[2:], [jobs[2]] * 3)
+        single = json.loads(self.succeed("latent-render", scene, "--time", "0.5", "--spp", 1, "--resolution", "16x16", "--run-samples",
+                                         frames[1]["run_samples"], "--dry-run", "--json", "-o", self.folder / "x.latent").stdout)
+        self.assertEqual(jobs[1], single["job"])
+        self.assertEqual(json.loads(self.succeed(*farm).stdout)["frames"][1]["job"], jobs[1])
+        self.succeed("latent-farm", "resume", self.folder / "film", "--engine", "shell", "--until", "develop")
+        pictures = [(self.folder / f"film/door.000{number}/picture.exr").read_bytes() for number in range(5)]
+        self.assertNotEqual(pictures[0], pictures[1])
+        self.assertEqual(pictures[3], pictures[4])
+        self.fail_with("needs one scene", *farm[:4], scene, *farm[4:], status=2)
+        for wrong in ("4:0", "1", "1:2:3", "a:b", "0:100000", "-1:2"):
+            self.fail_with("is not a range", "latent-farm", "plan", scene, f"--frames={wrong}", "--spp", 1, "--out", self.folder / "x", status=2)
 
     def test_a_scene_that_has_changed_is_another_job(self):
         scene = self.folder / "scene.pbrt"

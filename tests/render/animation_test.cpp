@@ -103,5 +103,53 @@ TEST_F(Animation, WithoutAMomentTheModelRestsAndAWarningSaysSo) {
     EXPECT_THAT(load(file, 1).error().message, HasSubstr("/accessors/"));
 }
 
+// Between where nodes are when it opens and when it closes.
+TEST_F(Animation, AShutterMovesWhatIsRigid) {
+    GltfFile file = model();
+    const double h = std::sqrt(0.5);
+    animate(file, "rotation", {0, 0, 0, 1, 0, 0, h, h}, "VEC4", "LINEAR");
+    animate(file, "translation", {0, 0, 0, 2, 4, 8}, "VEC3", "LINEAR");
+    file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+    file.json["nodes"][0]["children"] = {2};
+    file.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 9}}});
+    const auto loaded = [&](const GltfFile& model, const ModelOptions& options) {
+        Result<LoadedScene> scene =
+            load_scene(folder_.write("a.glb", testing::as_glb(model)), false, color::RgbSpectra::kSmooth, options);
+        if (!scene) throw std::runtime_error(scene.error().message);
+        scene->description = testing::in_world(std::move(scene->description));
+        return std::move(*scene);
+    };
+    const auto expect_near = [](const Affined& a, const Affined& b) {
+        EXPECT_LT(max_abs(a.x - b.x) + max_abs(a.y - b.y) + max_abs(a.z - b.z) + max_abs(a.t - b.t), 1e-6);
+    };
+    const ModelOptions open{.time = 1, .shutter = std::array{0.5, 1.5}, .stage = false};
+    const LoadedScene blurred = loaded(file, open), first = loaded(file, {.time = 1.5, .stage = false}),
+                      last = loaded(file, {.time = 2.5, .stage = false});
+    const SceneDescription &scene = blurred.description, &from = first.description, &to = last.description;
+    EXPECT_THAT(blurred.warnings, ::testing::IsEmpty());
+    ASSERT_EQ(scene.instances.size(), 2u);
+    expect_near(scene.instances[0].world_from_object, from.instances[0].world_from_object);
+    ASSERT_TRUE(scene.instances[0].end);
+    expect_near(*scene.instances[0].end, to.instances[0].world_from_object);
+    EXPECT_FALSE(scene.instances[1].end);
+    expect_near(scene.camera.world_from_camera, from.camera.world_from_camera);
+    ASSERT_TRUE(scene.camera.end);
+    expect_near(*scene.camera.end, to.camera.world_from_camera);
+    EXPECT_EQ(scene.shutter.open, 0);
+    EXPECT_EQ(scene.shutter.close, 1);
+    // A mesh that is used once moves too; after the last key frame nothing does.
+    GltfFile once = file;
+    once.json["scenes"][0]["nodes"] = {0};
+    EXPECT_TRUE(loaded(once, open).description.instances.at(0).end);
+    EXPECT_FALSE(has_motion(loaded(once, {.time = 3, .shutter = std::array{0.0, 1.0}, .stage = false}).description));
+    // What emits is where the shutter opens, and a warning says so.
+    GltfFile lamp = once;
+    lamp.json["materials"] = {{{"emissiveFactor", {1, 1, 1}}}};
+    lamp.json["meshes"][0]["primitives"][0]["material"] = 0;
+    const LoadedScene still = loaded(lamp, open);
+    EXPECT_TRUE(still.description.instances.empty());
+    EXPECT_THAT(still.warnings, ::testing::ElementsAre(HasSubstr("a surface that emits does not move while the shutter is open")));
+}
+
 }  // namespace
 }  // namespace latent::render

@@ -1,6 +1,8 @@
 // Extensions of glTF: what they say is what the same model without them says, or a closed form.
 #include <gmock/gmock.h>
 
+#include <numbers>
+
 #include "render/scene/content_hash.h"
 #include "tests/render/models.h"
 #include "tests/render/scenes.h"
@@ -132,6 +134,54 @@ TEST_F(GltfExtensions, DiffuseTransmissionIsAShareOfTheSurface) {
     const MaterialDescription& passed = leaf.materials.at(material(leaf).mixed[1]);
     EXPECT_EQ(passed.type, "diffusetransmission");
     EXPECT_NEAR(passed.spectra.at("transmittance").value(500), 0.5, 1e-9);
+}
+
+// What a film and brushed facets reflect: tests/transport/thin_film_test.cpp.
+TEST_F(GltfExtensions, IridescenceAndAnisotropyBecomeInputs) {
+    testing::write_exr(folder_ / "t.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    const auto scene = [&](const Json& iridescence, const Json& anisotropy, const Json& transmission) {
+        GltfFile file = triangle({{"extensions", Json::object()}});
+        Json& extensions = file.json["materials"][0]["extensions"];
+        extensions["KHR_materials_iridescence"] = iridescence;
+        extensions["KHR_materials_anisotropy"] = anisotropy;
+        extensions["KHR_materials_transmission"] = transmission;
+        file.json["materials"][0]["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 0}};
+        file.json["images"] = {{{"uri", "t.exr"}}};
+        file.json["textures"] = {{{"source", 0}}};
+        return described(file);
+    };
+    const Json none = Json::object(), picture = {{"index", 0}};
+    const SceneDescription plain = scene(none, none, none);
+    EXPECT_FALSE(material(plain).numbers.contains("film"));
+    EXPECT_FALSE(material(plain).numbers.contains("anisotropy"));
+    const SceneDescription numbers = scene({{"iridescenceFactor", .5}, {"iridescenceIor", 2}, {"iridescenceThicknessMaximum", 700}},
+                                           {{"anisotropyStrength", .75}, {"anisotropyRotation", std::numbers::pi / 2}}, none);
+    const auto number = [&](const char* name) { return material(numbers).number(name).value; };
+    EXPECT_EQ(number("film"), .5f);
+    EXPECT_EQ(number("film_eta"), 2);
+    EXPECT_EQ(number("film_thickness"), 700);
+    EXPECT_EQ(number("anisotropy"), .75f);
+    EXPECT_EQ(number("anisotropy_turns"), .25f);
+    // Pictures: the film's share is red, its thickness from 100 to 500 nm green; facets: x red, y green, strength blue.
+    const SceneDescription pictures = scene({{"iridescenceFactor", 1},
+                                             {"iridescenceTexture", picture},
+                                             {"iridescenceThicknessMaximum", 500},
+                                             {"iridescenceThicknessTexture", picture}},
+                                            {{"anisotropyStrength", 1}, {"anisotropyTexture", picture}}, none);
+    const auto texture = [&](const char* name) { return pictures.textures.at(material(pictures).number(name).texture); };
+    EXPECT_EQ(texture("film").picture.channel, 0);
+    EXPECT_EQ(texture("film_thickness").kind, TextureKind::kMix);
+    EXPECT_EQ(texture("film_thickness").numbers[0].value, 100);
+    EXPECT_EQ(texture("film_thickness").numbers[1].value, 500);
+    EXPECT_EQ(pictures.textures.at(texture("film_thickness").amount.texture).picture.channel, 1);
+    EXPECT_EQ(texture("anisotropy").picture.channel, 2);
+    EXPECT_EQ(texture("anisotropy_x").picture.channel, 0);
+    EXPECT_EQ(texture("anisotropy_y").picture.channel, 1);
+    // The wall of a soap bubble.
+    const SceneDescription bubble = scene({{"iridescenceFactor", 1}}, none, {{"transmissionFactor", 1}});
+    EXPECT_EQ(material(bubble).type, "thindielectric");
+    EXPECT_EQ(material(bubble).number("film").value, 1);
+    EXPECT_EQ(material(bubble).number("film_thickness").value, 400);
 }
 
 TEST_F(GltfExtensions, InstancesAreNodes) {

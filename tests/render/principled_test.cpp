@@ -69,6 +69,20 @@ TEST_F(Principled, IsTheMaterialOfGltf) {
                       R"( "rgb sheen" [ .5 .5 .25 ] "float sheenroughness" .75)"));
 }
 
+TEST_F(Principled, HasTheFilmAndTheDirectionOfGltf) {
+    const Json factors = {{"metallicFactor", .5}, {"roughnessFactor", .5}},
+               film = {{"iridescenceFactor", .5}, {"iridescenceIor", 1.5}, {"iridescenceThicknessMaximum", 300}};
+    EXPECT_EQ(of_gltf(pbr(factors, {{"KHR_materials_iridescence", film},
+                                    {"KHR_materials_anisotropy",
+                                     {{"anisotropyStrength", .5}, {"anisotropyRotation", 3.14159265358979323846 / 2}}}})),
+              of_pbrt(R"("rgb color" [ 1 1 1 ] "float metallic" .5 "float film" .5 "float filmeta" 1.5 "float filmthickness" 300)"
+                      R"( "float anisotropy" .5 "float anisotropyrotation" 90)"));
+    EXPECT_EQ(of_gltf(pbr({{"metallicFactor", 0}, {"roughnessFactor", 0}},
+                          {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_iridescence", film}})),
+              of_pbrt(R"("rgb color" [ 1 1 1 ] "float roughness" 0 "float transmission" 1 "bool thin" true)"
+                      R"( "float film" .5 "float filmeta" 1.5 "float filmthickness" 300)"));
+}
+
 TEST_F(Principled, PassesLightAsTheMaterialOfGltfDoes) {
     const Json factors = {{"baseColorFactor", {.5, .25, .125, 1}}, {"metallicFactor", .5}, {"roughnessFactor", .5}};
     const Json solid = {{"thicknessFactor", 1}};

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/spectral/spectra.h"
 #include "render/transport/scattering.h"
 #include "tests/transport/measured_examples.h"
 
@@ -41,6 +42,15 @@ struct Values {
 inline const Values& values() {
     static const Values v;
     return v;
+}
+
+// At wavelengths of all colours, for what needs to know them.
+inline SampledSpectra& sampled() {
+    static const SpectrumLibrary none;
+    static SampledSpectra spectra(none);
+    spectra.wavelengths.k = kMaxWavelengths;
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) spectra.wavelengths.lambda_nm[i] = 365 + 14 * static_cast<float>(i);
+    return spectra;
 }
 
 template <class T>
@@ -96,34 +106,57 @@ inline std::vector<Example<Dielectric>> examples() {
     const auto glass = [](float alpha_x, float alpha_y) { return Dielectric(values().glass, false, 3, alpha_x, alpha_y); };
     const auto flint = [](std::uint32_t kept, float alpha) { return Dielectric(values().varying, true, kept, alpha, alpha); };
     const auto tinted = [](float alpha) { return Dielectric(values().glass, false, 3, alpha, alpha, &values().falling); };
+    const auto filmed = [](float alpha) {
+        return Dielectric(values().glass, false, 3, alpha, alpha, nullptr, {.share = 0.8f, .eta = 2, .thickness_nm = 300},
+                          &sampled().wavelengths);
+    };
     return {{.name = "alpha 0.2", .scatters = glass(0.2f, 0.2f), .eta = 1.5},
             {.name = "alpha 0.5 x 0.25", .scatters = glass(0.5f, 0.25f), .eta = 1.5},
             {.name = "alpha 0.4, dispersive", .scatters = flint(5, 0.4f), .eta = 1.715, .kept = 5},
             {.name = "alpha 0.3, tinted", .scatters = tinted(0.3f), .eta = 1.5},
             {.name = "smooth, tinted", .scatters = tinted(0), .eta = 1.5},
             {.name = "smooth", .scatters = glass(0, 0), .eta = 1.5, .loses_nothing = true},
-            {.name = "smooth, dispersive", .scatters = flint(9, 0), .eta = 1.727, .kept = 9, .loses_nothing = true}};
+            {.name = "smooth, dispersive", .scatters = flint(9, 0), .eta = 1.727, .kept = 9, .loses_nothing = true},
+            {.name = "smooth, under a film", .scatters = filmed(0), .eta = 1.5, .loses_nothing = true},
+            {.name = "alpha 0.3, under a film", .scatters = filmed(0.3f), .eta = 1.5}};
 }
 
 template <>
 inline std::vector<Example<ThinDielectric>> examples() {
     return {{.name = "pane", .scatters = ThinDielectric(values().glass, false, 0), .loses_nothing = true},
             {.name = "tinted pane", .scatters = ThinDielectric(values().varying, true, 9, &values().falling)},
-            {.name = "dispersive pane", .scatters = ThinDielectric(values().varying, true, 9), .loses_nothing = true}};
+            {.name = "dispersive pane", .scatters = ThinDielectric(values().varying, true, 9), .loses_nothing = true},
+            {.name = "pane under films",
+             .scatters = ThinDielectric(values().glass, false, 0, nullptr, {.share = 1, .eta = 1.33f, .thickness_nm = 500},
+                                        &sampled().wavelengths),
+             .loses_nothing = true}};
 }
 
 template <>
 inline std::vector<Example<MetallicRoughness>> examples() {
     const Values& v = values();
     using M = MetallicRoughness;
-    return {{.name = "metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.3f})},
-            {.name = "plastic", .scatters = M(v.falling, {.alpha = 0.1f})},
-            {.name = "plastic with a coloured mirror", .scatters = M(v.falling, {.alpha = 0.3f, .f0 = 0.4f}, &v.rising)},
-            {.name = "white clay", .scatters = M(v.white, {.alpha = 0.8f, .f0 = 0.2f})},
-            {.name = "blend", .scatters = M(v.rising, {.metallic = 0.4f, .alpha = 0.5f})},
-            {.name = "white under a coat", .scatters = M(v.white, {.alpha = 0.6f, .coat = 1, .coat_alpha = 0.1f})},
-            {.name = "blend, half coated, nothing at grazing",
-             .scatters = M(v.falling, {.metallic = 0.5f, .alpha = 0.4f, .f90 = 0, .coat = 0.5f, .coat_alpha = 0.3f})}};
+    const ThinFilm oil{.share = 1, .eta = 1.4f, .thickness_nm = 400}, oxide{.share = 0.7f, .eta = 2.2f, .thickness_nm = 250};
+    return {
+        {.name = "metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.3f})},
+        {.name = "plastic", .scatters = M(v.falling, {.alpha = 0.1f})},
+        {.name = "plastic with a coloured mirror", .scatters = M(v.falling, {.alpha = 0.3f, .f0 = 0.4f}, &v.rising)},
+        {.name = "white clay", .scatters = M(v.white, {.alpha = 0.8f, .f0 = 0.2f})},
+        {.name = "blend", .scatters = M(v.rising, {.metallic = 0.4f, .alpha = 0.5f})},
+        {.name = "white under a coat", .scatters = M(v.white, {.alpha = 0.6f, .coat = 1, .coat_alpha = 0.1f})},
+        {.name = "blend, half coated, nothing at grazing",
+         .scatters = M(v.falling, {.metallic = 0.5f, .alpha = 0.4f, .f90 = 0, .coat = 0.5f, .coat_alpha = 0.3f})},
+        {.name = "brushed metal",
+         .scatters = M(v.rising, {.metallic = 1, .alpha = 0.1f, .anisotropy = 0.7f, .direction = {0.6f, 0.8f}})},
+        {.name = "brushed plastic under a coat",
+         .scatters =
+             M(v.white, {.alpha = 0.3f, .f0 = 0.3f, .coat = 0.5f, .coat_alpha = 0.2f, .anisotropy = 0.5f, .direction = {0, 1}})},
+        {.name = "white under oil", .scatters = M(v.white, {.alpha = 0.3f, .film = oil}, nullptr, &sampled())},
+        {.name = "white under oxide, smooth", .scatters = M(v.white, {.alpha = 0.04f, .film = oxide}, nullptr, &sampled())},
+        {.name = "metal under oxide", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.2f, .film = oxide}, nullptr, &sampled())},
+        {.name = "blend under oil and a coat",
+         .scatters = M(v.falling, {.metallic = 0.3f, .alpha = 0.5f, .coat = 0.5f, .coat_alpha = 0.1f, .film = oil}, &v.rising,
+                       &sampled())}};
 }
 
 template <>

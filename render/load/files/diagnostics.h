@@ -16,7 +16,7 @@ namespace latent::render {
 class Diagnostics {
  public:
     // `files` names SourceLocation::file.
-    explicit Diagnostics(const std::vector<std::string>& files) : files_(files) {}
+    explicit Diagnostics(const std::vector<std::string>& files) : files_(&files) {}
 
     // The picture would be wrong: "room.pbrt:12:3: message".
     void error(const SourceLocation& where, const std::string& message) { error(place(where), message); }
@@ -52,7 +52,7 @@ class Diagnostics {
 
     // "room.pbrt:12:3".
     std::string place(const SourceLocation& where) const {
-        return files_[where.file] + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
+        return (*files_)[where.file] + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
     }
 
     const std::vector<std::string>& errors() const { return errors_.lines; }
@@ -83,7 +83,7 @@ class Diagnostics {
         std::unordered_set<std::string> places{};
     };
 
-    const std::vector<std::string>& files_;
+    const std::vector<std::string>* files_;
     std::unordered_map<std::string, Kind> kinds_;
     Lines errors_, warnings_, notes_;
     std::unordered_set<std::string> unreadable_;

@@ -47,9 +47,10 @@ std::optional<Items> items_of(const GltfDocument& document, const GltfValue& acc
     const GltfValue view = document.root()["bufferViews"][*v];
     const std::optional<std::uint32_t> b = view["buffer"].index(document.root()["buffers"]);
     if (!b) return std::nullopt;
-    if (!document.buffer(*b)) return std::nullopt;  // an error already
-    const std::string& bytes = *document.buffer(*b);
-    const std::uint64_t begin = view["byteOffset"].count(0), length = view["byteLength"].count(0),
+    const std::string* unpacked = document.unpacked_view(*v);
+    if (unpacked != nullptr ? unpacked->empty() : document.buffer(*b) == nullptr) return std::nullopt;  // an error already
+    const std::string& bytes = unpacked != nullptr ? *unpacked : *document.buffer(*b);
+    const std::uint64_t begin = unpacked != nullptr ? 0 : view["byteOffset"].count(0), length = view["byteLength"].count(0),
                         stride = view["byteStride"].count(item);
     if (begin > bytes.size() || length > bytes.size() - begin) {
         view.error(fmt::format("ends at byte {} of a buffer of {} bytes", begin + length, bytes.size()));

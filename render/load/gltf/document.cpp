@@ -12,6 +12,7 @@
 #include "base/json.h"
 #include "render/load/gltf/check.h"
 #include "render/load/gltf/extensions.h"
+#include "render/load/gltf/meshopt.h"
 
 namespace latent::render {
 
@@ -169,6 +170,7 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
         return Error{ErrorCode::kUnsupported, fmt::format("{}: is glTF {}; only glTF 2.0 is supported", name, other)};
     document.is_sound_ = check_gltf(document.root()) && check_extensions(document.root());
     if (document.is_sound_) document.read_buffers(chunks.binary, chunks.has_binary);
+    if (document.is_sound_) document.unpack_views();
     return document;
 }
 
@@ -194,10 +196,15 @@ std::optional<std::string> GltfDocument::resource(const GltfValue& uri) const {
 
 void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
     const GltfValue buffers = root()["buffers"];
+    const std::vector<bool> used = find_used_buffers();
     std::map<std::string, std::shared_ptr<const std::string>> by_uri;
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         const GltfValue buffer = buffers[i];
         std::shared_ptr<const std::string> bytes;
+        if (!used[i]) {
+            buffers_.push_back(nullptr);
+            continue;
+        }
         if (buffer["uri"].exists()) {
             const std::string uri = buffer["uri"].text();
             const auto known = by_uri.find(uri);
@@ -220,6 +227,65 @@ void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
             bytes.reset();
         }
         buffers_.push_back(std::move(bytes));
+    }
+}
+
+namespace {
+
+// Of a buffer view; does not exist if it is not compressed.
+GltfValue meshopt_of(const GltfValue& view) {
+    const GltfValue ratified = view.extension("KHR_meshopt_compression");
+    return ratified.exists() ? ratified : view.extension("EXT_meshopt_compression");
+}
+
+}  // namespace
+
+std::vector<bool> GltfDocument::find_used_buffers() const {
+    const GltfValue views = root()["bufferViews"];
+    // What no view uses is read, so that its faults are told.
+    std::vector<bool> used(root()["buffers"].size(), true);
+    const auto mark = [&](const GltfValue& buffer, bool value) {
+        const std::uint64_t i = buffer.is_count() ? buffer.count(0) : used.size();
+        if (i < used.size()) used[i] = value;
+    };
+    for (std::size_t i = 0; i < views.size(); ++i) mark(views[i]["buffer"], !meshopt_of(views[i]).exists());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const GltfValue packed = meshopt_of(views[i]);
+        mark(packed.exists() ? packed["buffer"] : views[i]["buffer"], true);
+    }
+    return used;
+}
+
+void GltfDocument::unpack_views() {
+    constexpr std::uint64_t kMaxRatio = 256, kFree = std::uint64_t{16} << 20;  // of all that is unpacked to all that was packed
+    const GltfValue views = root()["bufferViews"], buffers = root()["buffers"];
+    views_.resize(views.size());
+    std::uint64_t unpacked = 0, compressed = 0;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const GltfValue view = views[i], packed = meshopt_of(view);
+        if (!packed.exists()) continue;
+        views_[i] = std::make_shared<const std::string>();
+        const std::optional<std::uint32_t> b = packed["buffer"].index(buffers);
+        if (!b || !buffers_[*b]) continue;  // an error already
+        const std::uint64_t begin = packed["byteOffset"].count(0), length = packed["byteLength"].count(0),
+                            size = buffers_[*b]->size();
+        const MeshoptView described{packed["mode"].text(), packed["filter"].text("NONE"), packed["count"].count(0),
+                                    packed["byteStride"].count(0)};
+        if (begin > size || length > size - begin) {
+            packed.error(fmt::format("ends at byte {} of a buffer of {} bytes", begin + length, size));
+        } else if (described.count > (std::uint64_t{1} << 40) || described.stride > 256 ||
+                   described.count * described.stride != view["byteLength"].count(0)) {
+            packed.error(fmt::format("{} items of {} bytes are not the {} bytes of its view", described.count, described.stride,
+                                     view["byteLength"].count(0)));
+        } else if (compressed += length, unpacked += described.count * described.stride;
+                   unpacked > kFree && unpacked - kFree > kMaxRatio * compressed) {
+            return packed.error(
+                fmt::format("the file's views unpack to {} bytes, more than {} times their size", unpacked, kMaxRatio));
+        } else if (Result<std::string> bytes = unpack_meshopt(std::string_view(*buffers_[*b]).substr(begin, length), described)) {
+            views_[i] = std::make_shared<const std::string>(std::move(*bytes));
+        } else {
+            packed.error(bytes.error().message);
+        }
     }
 }
 

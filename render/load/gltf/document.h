@@ -27,6 +27,8 @@ class GltfDocument {
     bool is_sound() const { return is_sound_; }
     // The bytes of /buffers/i; null if there was an error.
     const std::string* buffer(std::size_t i) const { return buffers_[i].get(); }
+    // The bytes of /bufferViews/i if they were compressed; else null: then they are in its buffer.
+    const std::string* unpacked_view(std::size_t i) const { return i < views_.size() ? views_[i].get() : nullptr; }
     // What "uri" says, relative to the file: a "data:" URI or a file. Nothing, with an error, if it cannot be read.
     std::optional<std::string> resource(const GltfValue& uri) const;
     SceneFiles& files() const { return *files_; }
@@ -35,6 +37,9 @@ class GltfDocument {
     GltfDocument(std::string name, SceneFiles& files, Diagnostics& diagnostics)
         : name_(std::move(name)), files_(&files), diagnostics_(&diagnostics) {}
     void read_buffers(std::string_view binary_chunk, bool has_chunk);
+    // Of each buffer, whether bytes are taken from it: not from one that stands in for compressed views.
+    std::vector<bool> find_used_buffers() const;
+    void unpack_views();
 
     std::string name_;
     SceneFiles* files_;
@@ -42,6 +47,7 @@ class GltfDocument {
     nlohmann::json json_;
     bool is_sound_ = false;
     std::vector<std::shared_ptr<const std::string>> buffers_;  // one for all that name the same file
+    std::vector<std::shared_ptr<const std::string>> views_;    // null: not compressed
 };
 
 // The file that a relative URI names, its %-escapes resolved. Nothing if it has a scheme, such as "https:".

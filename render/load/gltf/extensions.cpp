@@ -10,13 +10,16 @@ namespace latent::render {
 
 std::span<const std::string_view> known_extensions() {
     static constexpr std::string_view kKnown[] = {"EXT_mesh_gpu_instancing",
+                                                  "EXT_meshopt_compression",
                                                   "EXT_texture_webp",
                                                   "KHR_lights_punctual",
+                                                  "KHR_materials_anisotropy",
                                                   "KHR_materials_clearcoat",
                                                   "KHR_materials_diffuse_transmission",
                                                   "KHR_materials_dispersion",
                                                   "KHR_materials_emissive_strength",
                                                   "KHR_materials_ior",
+                                                  "KHR_materials_iridescence",
                                                   "KHR_materials_pbrSpecularGlossiness",
                                                   "KHR_materials_sheen",
                                                   "KHR_materials_specular",
@@ -25,6 +28,7 @@ std::span<const std::string_view> known_extensions() {
                                                   "KHR_materials_variants",
                                                   "KHR_materials_volume",
                                                   "KHR_mesh_quantization",
+                                                  "KHR_meshopt_compression",
                                                   "KHR_texture_transform",
                                                   "KHR_xmp_json_ld"};
     return kKnown;

@@ -63,7 +63,11 @@ class GltfLoader {
         world_from_node_.resize(root()["nodes"].size());
         model_.has_animation = root()["animations"].size() > 0;
         poses_.resize(root()["nodes"].size());
-        if (options_.time && model_.has_animation) poses_ = poses_at(document_, *options_.time);
+        if ((options_.time || options_.shutter) && model_.has_animation) {
+            const double time = options_.time.value_or(0);
+            poses_ = poses_at(document_, time + (options_.shutter ? (*options_.shutter)[0] : 0));
+            if (options_.shutter) last_poses_ = poses_at(document_, time + (*options_.shutter)[1]);
+        }
         walk_nodes();
         for (Placement& p : placements_) pose(p);
         // Meshes in the order of the nodes that place them; those that several nodes place become objects.
@@ -72,9 +76,10 @@ class GltfLoader {
         model_.has_idle_cameras = !model_.has_camera && root()["cameras"].size() > 0;
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
-        if (model_.has_animation && !options_.time)
+        const bool is_played = options_.time || options_.shutter;
+        if (model_.has_animation && !is_played)
             root()["animations"].warn("animations are ignored: the model is in its rest pose; --time SECONDS shows a moment");
-        if (root()["animations"].size() > 1 && options_.time) root()["animations"].warn("only the first animation is shown");
+        if (root()["animations"].size() > 1 && is_played) root()["animations"].warn("only the first animation is shown");
         return std::move(model_);
     }
 
@@ -82,6 +87,7 @@ class GltfLoader {
     struct Placement {
         std::uint32_t node, mesh;  // mesh: index into meshes_
         Affined world_from_node;
+        std::optional<Affined> end{};  // that it becomes until the shutter closes
     };
     // /meshes/N in a pose. The first ones, in their order, have the weights of the mesh; then those of nodes with a pose of their
     // own.
@@ -194,11 +200,11 @@ class GltfLoader {
         const GltfValue nodes = root()["nodes"], scenes = root()["scenes"];
         struct Open {
             std::uint32_t node;
-            Affined world_from_parent;
+            Moving world_from_parent;
         };
         std::vector<Open> open;
         std::vector<bool> reached(nodes.size());
-        const auto add = [&](const GltfValue& list, const Affined& world_from_parent) {
+        const auto add = [&](const GltfValue& list, const Moving& world_from_parent) {
             for (std::size_t i = list.size(); i-- > 0;) {
                 const std::optional<std::uint32_t> node = list[i].index(nodes);
                 if (!node) continue;
@@ -217,18 +223,29 @@ class GltfLoader {
             const Open next = open.back();
             open.pop_back();
             const GltfValue node = nodes[next.node];
-            const Affined m = next.world_from_parent * local_transform(node, poses_[next.node]);
-            if (!is_finite(m)) {
+            const Affined m = next.world_from_parent.start * local_transform(node, poses_[next.node]);
+            const Affined end =
+                last_poses_.empty() ? m : next.world_from_parent.end * local_transform(node, last_poses_[next.node]);
+            if (!is_finite(m) || !is_finite(end)) {
                 node.error("its transformation exceeds the range of single precision");
                 continue;
             }
             world_from_node_[next.node] = m;
-            visit(node, next.node, m);
-            add(node["children"], m);
+            visit(node, next.node, {m, end});
+            add(node["children"], {m, end});
         }
     }
 
-    void visit(const GltfValue& node, std::uint32_t index, const Affined& m) {
+    // Where a node is when the shutter opens, and when it closes.
+    struct Moving {
+        Affined start{}, end{};
+
+        bool moves() const { return !(start == end); }
+        Moving operator*(const Affined& inner) const { return {start * inner, end * inner}; }
+    };
+
+    void visit(const GltfValue& node, std::uint32_t index, const Moving& moving) {
+        const Affined& m = moving.start;
         const GltfValue light = node.extension("KHR_lights_punctual")["light"];
         const bool is_singular = !m.inverse();
         const bool has_mesh = node["mesh"].exists() && !node["skin"].exists();  // a skin is placed by its joints
@@ -237,15 +254,31 @@ class GltfLoader {
         if (const auto mesh = node["mesh"].index(root()["meshes"])) {
             if (const GltfValue instancing = node.extension("EXT_mesh_gpu_instancing"); instancing.exists()) {
                 for (const Affined& instance : instances_of(instancing["attributes"])) {
-                    if ((m * instance).inverse()) placements_.push_back({index, *mesh, m * instance});
+                    if ((m * instance).inverse()) place_mesh(node, index, *mesh, moving * instance);
                 }
             } else {
-                placements_.push_back({index, *mesh, m});
+                place_mesh(node, index, *mesh, moving);
             }
         }
-        if (const auto camera = node["camera"].index(root()["cameras"])) visit_camera(node, root()["cameras"][*camera], m);
+        if (const auto camera = node["camera"].index(root()["cameras"])) visit_camera(node, root()["cameras"][*camera], moving);
         const GltfValue lights = root().extension("KHR_lights_punctual")["lights"];
-        if (const auto i = light.index(lights)) model_.scene.lights.push_back(read_light(lights[*i], m, colors_));
+        if (const auto i = light.index(lights)) {
+            if (moving.moves()) still(node, "a light");
+            model_.scene.lights.push_back(read_light(lights[*i], m, colors_));
+        }
+    }
+    // What motion blur cannot show is where the shutter opens.
+    static void still(const GltfValue& node, const std::string& what) {
+        node.warn_of_kind("still " + what, what + " does not move while the shutter is open");
+    }
+    void place_mesh(const GltfValue& node, std::uint32_t index, std::uint32_t mesh, const Moving& moving) {
+        Placement placed{index, mesh, moving.start};
+        if (moving.moves()) placed.end = moving.end;
+        if (placed.end && (!placed.end->inverse() || placed.end->swaps_handedness() != placed.world_from_node.swaps_handedness())) {
+            still(node, "what is mirrored, or shrinks to nothing,");
+            placed.end.reset();
+        }
+        placements_.push_back(std::move(placed));
     }
 
     // Each from the space of the mesh to that of the node.
@@ -279,7 +312,7 @@ class GltfLoader {
         return out;
     }
 
-    void visit_camera(const GltfValue& node, const GltfValue& camera, const Affined& m) {
+    void visit_camera(const GltfValue& node, const GltfValue& camera, const Moving& moving) {
         const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
         const std::string of_node = name_of(node), of_camera = name_of(camera);
         model_.cameras.push_back(of_node.empty() ? of_camera : of_node);
@@ -289,7 +322,14 @@ class GltfLoader {
                 node["camera"].warn("is ignored: the scene's first camera is used; --camera NAME chooses another");
             return;
         }
-        read_camera(camera, m, model_.scene);
+        if (moving.moves()) {
+            read_camera(camera, moving.end, model_.scene);
+            const Affined end = model_.scene.camera.world_from_camera;
+            read_camera(camera, moving.start, model_.scene);
+            model_.scene.camera.end = end;
+        } else {
+            read_camera(camera, moving.start, model_.scene);
+        }
         model_.has_camera = true;
     }
 
@@ -298,12 +338,15 @@ class GltfLoader {
         const GltfValue node = root()["nodes"][p.node];
         const std::optional<std::uint32_t> skin = node["skin"].index(root()["skins"]);
         const std::optional<std::vector<double>>& moved = poses_[p.node].weights;
+        if (!last_poses_.empty() && last_poses_[p.node].weights != moved) still(node, "a mesh that changes its shape");
+        if (skin && !last_poses_.empty()) still(node, "a mesh that joints bend");
         if (!skin && !moved && !node["weights"].is_array()) return;
         Mesh mesh{.index = p.mesh, .pose = {.weights = moved ? *moved : numbers(node["weights"])}};
         if (!moved && !node["weights"].is_array()) mesh.pose.weights = numbers(root()["meshes"][p.mesh]["weights"]);
         if (skin) {
             mesh.pose.joints = joints_of(root()["skins"][*skin]);
             p.world_from_node = {};
+            p.end.reset();
         }
         p.mesh = static_cast<std::uint32_t>(meshes_.size());
         meshes_.push_back(std::move(mesh));
@@ -338,13 +381,14 @@ class GltfLoader {
     void place(const Placement& p) {
         Mesh& mesh = meshes_[p.mesh];
         if (!mesh.is_read) read(mesh);
-        const bool once = mesh.uses == 1;
+        const bool once = mesh.uses == 1 && !p.end;  // what moves is an object
         bool has_object = false;
         for (GltfPrimitive& primitive : mesh.primitives) {
             // Lights cannot be in objects.
             const bool emits = used_[index_of(primitive.material)].area_light != kNone;
             if (once || emits) {
                 if (!once && !count(primitive, root()["nodes"][p.node])) return;
+                if (p.end) still(root()["nodes"][p.node], "a surface that emits");
                 LoadedShape shape = shape_of(primitive.material, once ? std::move(primitive.mesh) : LoadedMesh(primitive.mesh));
                 transform(shape, p.world_from_node);
                 if (!is_finite(shape)) root()["nodes"][p.node].error("its mesh exceeds the range of single precision");
@@ -354,9 +398,11 @@ class GltfLoader {
             }
         }
         if (!has_object) return;
-        const Affined inverse = p.world_from_node.inverse().value();
-        if (std::max({max_abs(inverse.x), max_abs(inverse.y), max_abs(inverse.z)}) > 1e15)
-            root()["nodes"][p.node].error("is too small to be traced in single precision");
+        for (const Affined& map : {p.world_from_node, p.end.value_or(p.world_from_node)}) {
+            const Affined inverse = map.inverse().value();
+            if (std::max({max_abs(inverse.x), max_abs(inverse.y), max_abs(inverse.z)}) > 1e15)
+                root()["nodes"][p.node].error("is too small to be traced in single precision");
+        }
         if (mesh.object == kNone) {
             mesh.object = static_cast<std::uint32_t>(model_.objects.size());
             model_.scene.objects.emplace_back();
@@ -367,7 +413,7 @@ class GltfLoader {
                 transform(shapes.back(), {});
             }
         }
-        model_.scene.instances.push_back({.object = mesh.object, .world_from_object = p.world_from_node});
+        model_.scene.instances.push_back({.object = mesh.object, .world_from_object = p.world_from_node, .end = p.end});
     }
 
     void read(Mesh& mesh) {
@@ -428,7 +474,8 @@ class GltfLoader {
     Model model_;
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
-    std::vector<GltfNodePose> poses_;                      // of each node, at the moment that is shown
+    std::vector<GltfNodePose> poses_;                      // of each node, at the moment that is shown, or the shutter opens
+    std::vector<GltfNodePose> last_poses_;                 // where it closes; empty: it shows a moment
     std::vector<std::optional<Affined>> world_from_node_;  // of those in the scene
     std::vector<Placement> placements_;
     std::uint64_t vertices_ = 0;

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "render/load/gltf/extensions.h"
@@ -81,6 +84,32 @@ void read_sheen(const GltfValue& material, GltfTextures& textures, MaterialDescr
     surface.spectra["sheen.color"] = textures.color(sheen["sheenColorTexture"], rgb);
     surface.numbers["sheen.roughness"] =
         textures.number(sheen["sheenRoughnessTexture"], PictureChannel::kAlpha, fraction_of(sheen["sheenRoughnessFactor"], 0));
+}
+
+// A film on it, where there is one.
+std::map<std::string, FloatInput, std::less<>> read_film(const GltfValue& material, GltfTextures& textures) {
+    const GltfValue film = material.extension("KHR_materials_iridescence");
+    const double share = fraction_of(film["iridescenceFactor"], 0);
+    if (share == 0) return {};
+    const FloatInput thick = textures.number(film["iridescenceThicknessTexture"], PictureChannel::kGreen, 1);
+    return {{"film", textures.number(film["iridescenceTexture"], PictureChannel::kRed, share)},
+            {"film_eta", static_cast<float>(film["iridescenceIor"].factor(1.3, 1, 10))},
+            {"film_thickness", textures.between(film["iridescenceThicknessMinimum"].factor(100, 0, 1e6),
+                                                film["iridescenceThicknessMaximum"].factor(400, 0, 1e6), thick)}};
+}
+
+// Facets that are rougher in one direction.
+void read_anisotropy(const GltfValue& material, GltfTextures& textures, MaterialDescription& surface) {
+    const GltfValue anisotropy = material.extension("KHR_materials_anisotropy"), picture = anisotropy["anisotropyTexture"];
+    const double strength = fraction_of(anisotropy["anisotropyStrength"], 0);
+    if (strength == 0) return;
+    surface.numbers["anisotropy"] = textures.number(picture, PictureChannel::kBlue, strength);
+    if (picture.exists()) {
+        surface.numbers["anisotropy_x"] = textures.number(picture, PictureChannel::kRed, 1);
+        surface.numbers["anisotropy_y"] = textures.number(picture, PictureChannel::kGreen, 1);
+    }
+    const double turns = anisotropy["anisotropyRotation"].number(0, -1e6, 1e6) / (2 * std::numbers::pi);
+    if (turns != 0) surface.numbers["anisotropy_turns"] = static_cast<float>(turns - std::floor(turns));
 }
 
 // The base colour's alpha: the share of the surface that is there, or, by a mask, whether it is.
@@ -184,7 +213,7 @@ void read_second(const GltfValue& material, const Body& body, const ModelColors&
 GltfMaterial read_material(const GltfValue& material, VertexColors vertices, const ModelColors& colors, GltfTextures& textures) {
     const GltfValue normal = material["normalTexture"], coat = material.extension("KHR_materials_clearcoat"),
                     glossy = material.extension("KHR_materials_pbrSpecularGlossiness");
-    textures.begin_material(normal);
+    textures.begin_material(normal.exists() ? normal : material.extension("KHR_materials_anisotropy")["anisotropyTexture"]);
     GltfMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = material["name"].text();
@@ -202,11 +231,18 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
     } else {
         read_second(material, body, colors, textures, out);
+        read_anisotropy(material, textures, surface);
+        const auto film = read_film(material, textures);
+        surface.numbers.insert(film.begin(), film.end());
+        if (out.second && out.second->type != "diffusetransmission") {
+            if (surface.numbers.contains("anisotropy")) material.warn("glass is rendered without its anisotropy");
+            out.second->numbers.insert(film.begin(), film.end());
+        }
         read_sheen(material, textures, surface);
         const auto is_zero = [&](const char* name) {
             return !surface.number(name).is_textured() && surface.number(name, 1).value == 0;
         };
-        if (surface.type == "metallicroughness" && is_zero("f90") && is_zero("metallic") && is_zero("coat"))
+        if (surface.type == "metallicroughness" && is_zero("f90") && is_zero("metallic") && is_zero("coat") && film.empty())
             surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
     }
     if (normal.exists()) {

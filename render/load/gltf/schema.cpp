@@ -38,6 +38,13 @@ constexpr GltfMember kClearcoatMembers[] = {number("clearcoatFactor"), number("c
                                             object("clearcoatTexture", kInfo), object("clearcoatRoughnessTexture", kInfo),
                                             any("clearcoatNormalTexture")};
 constexpr GltfObjectType kClearcoat{kClearcoatMembers};
+constexpr GltfMember kIridescenceMembers[] = {
+    number("iridescenceFactor"),           object("iridescenceTexture", kInfo),   number("iridescenceIor"),
+    number("iridescenceThicknessMinimum"), number("iridescenceThicknessMaximum"), object("iridescenceThicknessTexture", kInfo)};
+constexpr GltfObjectType kIridescence{kIridescenceMembers};
+constexpr GltfMember kAnisotropyMembers[] = {number("anisotropyStrength"), number("anisotropyRotation"),
+                                             object("anisotropyTexture", kInfo)};
+constexpr GltfObjectType kAnisotropy{kAnisotropyMembers};
 constexpr GltfMember kStrengthMembers[] = {number("emissiveStrength")};
 constexpr GltfObjectType kStrength{kStrengthMembers};
 constexpr GltfMember kIorMembers[] = {number("ior")};
@@ -64,12 +71,14 @@ constexpr GltfMember kGlossinessMembers[] = {numbers("diffuseFactor", 4), object
                                              numbers("specularFactor", 3), number("glossinessFactor"),
                                              object("specularGlossinessTexture", kInfo)};
 constexpr GltfObjectType kGlossiness{kGlossinessMembers};
-constexpr GltfMember kMaterialExtensionMembers[] = {object("KHR_materials_clearcoat", kClearcoat),
+constexpr GltfMember kMaterialExtensionMembers[] = {object("KHR_materials_anisotropy", kAnisotropy),
+                                                    object("KHR_materials_clearcoat", kClearcoat),
                                                     object("KHR_materials_diffuse_transmission", kDiffuseTransmission),
                                                     object("KHR_materials_dispersion", kDispersion),
                                                     object("KHR_materials_pbrSpecularGlossiness", kGlossiness),
                                                     object("KHR_materials_emissive_strength", kStrength),
                                                     object("KHR_materials_ior", kIor),
+                                                    object("KHR_materials_iridescence", kIridescence),
                                                     object("KHR_materials_sheen", kSheen),
                                                     object("KHR_materials_specular", kSpecular),
                                                     object("KHR_materials_transmission", kTransmission),
@@ -117,8 +126,24 @@ constexpr GltfMember kAccessorMembers[] = {
 constexpr GltfObjectType kAccessor{kAccessorMembers};
 constexpr GltfMember kBufferMembers[] = {any("name"), text("uri"), required(count("byteLength"))};
 constexpr GltfObjectType kBuffer{kBufferMembers};
-constexpr GltfMember kViewMembers[] = {
-    any("name"), required(count("buffer")), count("byteOffset"), required(count("byteLength")), count("byteStride"), any("target")};
+constexpr GltfMember kMeshoptMembers[] = {required(count("buffer")),
+                                          count("byteOffset"),
+                                          required(count("byteLength")),
+                                          required(count("byteStride")),
+                                          required(count("count")),
+                                          required(text("mode")),
+                                          text("filter")};
+constexpr GltfObjectType kMeshopt{kMeshoptMembers};
+constexpr GltfMember kViewExtensionMembers[] = {object("EXT_meshopt_compression", kMeshopt),
+                                                object("KHR_meshopt_compression", kMeshopt)};
+constexpr GltfObjectType kViewExtensions{kViewExtensionMembers, true};
+constexpr GltfMember kViewMembers[] = {any("name"),
+                                       required(count("buffer")),
+                                       count("byteOffset"),
+                                       required(count("byteLength")),
+                                       count("byteStride"),
+                                       any("target"),
+                                       object("extensions", kViewExtensions)};
 constexpr GltfObjectType kView{kViewMembers};
 constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"),  count("TEXCOORD_0"),
                                             count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};

@@ -37,6 +37,8 @@ class GltfTextures {
     std::uint32_t normal_map(const GltfValue& info);
     // Nothing if it is black, or with an error.
     std::optional<AreaLightDescription> emission(const GltfValue& info, const LinearRgb& factor);
+    // From `low` to `high` as `value` goes from 0 to 1.
+    FloatInput between(double low, double high, const FloatInput& value) { return values_.between(low, high, value); }
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold) { return values_.thresholded(value, threshold); }
 

@@ -1,6 +1,7 @@
 // render/load/model/options.h: what a model cannot say itself, and who renders it says instead. docs/models.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -12,9 +13,10 @@ namespace latent::render {
 enum class ModelView : std::uint8_t { kThreeQuarter, kFront, kTop };
 
 struct ModelOptions {
-    std::string camera{};          // the name of a camera or of its node; empty: the first
-    std::string variant{};         // the name of a variant of the model's materials; empty: as they are
-    std::optional<double> time{};  // [s] of the model's first animation; nothing: the model rests
+    std::string camera{};                            // the name of a camera or of its node; empty: the first
+    std::string variant{};                           // the name of a variant of the model's materials; empty: as they are
+    std::optional<double> time{};                    // [s] of the model's first animation; nothing: the model rests
+    std::optional<std::array<double, 2>> shutter{};  // opens and closes so many seconds after that; nothing: at once
     ModelView view = ModelView::kThreeQuarter;
     bool is_z_up = false;               // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z
     bool stage = true;                  // a model without camera and lights stands on a ground

@@ -58,6 +58,17 @@ std::uint32_t ModelValues::normal_map(TextureDescription picture) {
     return add(std::move(picture));
 }
 
+FloatInput ModelValues::between(double low, double high, const FloatInput& value) {
+    if (!value.is_textured()) return static_cast<float>(low + (high - low) * static_cast<double>(value.value));
+    TextureDescription texture{.kind = TextureKind::kMix};
+    texture.numbers[0] = static_cast<float>(low);
+    texture.numbers[1] = static_cast<float>(high);
+    texture.amount = value;
+    FloatInput out;
+    out.texture = add(std::move(texture));
+    return out;
+}
+
 FloatInput ModelValues::thresholded(const FloatInput& value, float threshold) {
     if (!value.is_textured()) return value.value >= threshold ? 1.0f : 0.0f;
     TextureDescription texture{.kind = TextureKind::kThreshold};

@@ -27,6 +27,8 @@ class ModelValues {
     Result<std::optional<AreaLightDescription>> emission(std::optional<TextureDescription> picture, const LinearRgb& factor);
     // The index of the texture.
     std::uint32_t normal_map(TextureDescription picture);
+    // From `low` to `high` as `value` goes from 0 to 1.
+    FloatInput between(double low, double high, const FloatInput& value);
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold);
 

@@ -371,7 +371,7 @@ void SceneBuilder::finish(const SourceLocation& end) {
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
         const FloatInput x = material.number("alpha_x"), y = material.number("alpha_y");
-        if (x.texture != y.texture || (!x.is_textured() && x.value != y.value)) {
+        if (x.texture != y.texture || (!x.is_textured() && x.value != y.value) || material.numbers.contains("anisotropy")) {
             diagnostics_.error(where, "S: tangents are not supported for anisotropic materials");
         } else if (material.measured || material.type == "mix" || material.displacement.is_textured() ||
                    material.normal_map != kNone) {

@@ -64,6 +64,8 @@ constexpr Grammar kGrammar[] = {
     {.name = "Translate", .numbers = 3},
     {.name = "WorldBegin"},
 };
+constexpr Grammar kWorldEnd{.name = "WorldEnd"};  // pbrt-v3
+constexpr std::string_view kOfV2[] = {"Renderer", "SurfaceIntegrator", "Volume", "VolumeIntegrator"};
 
 enum class ValueKind { kNumbers, kFlags, kStrings, kNumbersOrStrings };
 struct TypeGrammar {
@@ -79,6 +81,15 @@ constexpr TypeGrammar kTypes[] = {
     {"string", ValueKind::kStrings},    {"texture", ValueKind::kStrings},
     {"bool", ValueKind::kFlags},        {"latent:daylight", ValueKind::kNumbers},
 };
+// Those of pbrt-v3 alone, and what they are called now.
+constexpr std::pair<std::string_view, std::string_view> kOldTypes[] = {
+    {"color", "rgb"}, {"point", "point3"}, {"vector", "vector3"}, {"xyz", "xyz"}};
+constexpr TypeGrammar kXyz{"xyz", ValueKind::kNumbers};
+
+std::string_view new_type(std::string_view old) {
+    const auto* const found = std::ranges::find(kOldTypes, old, &std::pair<std::string_view, std::string_view>::first);
+    return found == std::end(kOldTypes) ? std::string_view() : found->second;
+}
 
 std::string quote(std::string_view text) { return fmt::format("\"{}\"", text.substr(0, 64)); }
 
@@ -86,12 +97,12 @@ const Grammar* grammar_of(const Token& token) {
     for (const Grammar& g : kGrammar) {
         if (token.kind == Token::Kind::kWord && g.name == token.text) return &g;
     }
-    return nullptr;
+    return token.kind == Token::Kind::kWord && token.text == kWorldEnd.name ? &kWorldEnd : nullptr;
 }
 
 const TypeGrammar* type_of(std::string_view name) {
     const auto* const found = std::ranges::find(kTypes, name, &TypeGrammar::name);
-    return found == std::end(kTypes) ? nullptr : found;
+    return found != std::end(kTypes) ? found : name == kXyz.name ? &kXyz : nullptr;
 }
 
 // "; did you mean Shape?", or nothing, of the names in a table.
@@ -156,10 +167,12 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::directive() 
     if (!*first) return std::optional<Directive>{};
     Directive directive{.name = std::string((*first)->text), .where = (*first)->where};
     const Grammar* grammar = grammar_of(**first);
-    if (grammar == nullptr)
+    if (std::ranges::count(kOfV2, directive.name) > 0)
+        return tl::unexpected(ParseError{directive.where, quote(directive.name) + " is a directive of pbrt-v2", 2});
+    if (grammar == nullptr || (grammar == &kWorldEnd && !is_v3_))
         return tl::unexpected(ParseError{directive.where,
                                          quote(directive.name) + " is not a directive of pbrt-v4" + near(directive.name, kGrammar),
-                                         directive.name == "WorldEnd"});
+                                         grammar == &kWorldEnd ? 3 : 4});
 
     for (int i = 0; i < grammar->strings; ++i) {
         const auto token = require(Token::Kind::kString, directive, "a quoted name");
@@ -212,17 +225,20 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     std::tie(parameter.type, parameter.name) = declaration_in(text);
     if (parameter.type.empty())
         return tl::unexpected(ParseError{parameter.where, quote(text) + " is not a parameter of the form \"type name\""});
-    const TypeGrammar* const type = type_of(parameter.type);
+    const std::string_view renamed = new_type(parameter.type);
+    if (is_v3_ && !renamed.empty()) parameter.type = renamed;
+    const TypeGrammar* const type = is_v3_ || renamed.empty() ? type_of(parameter.type) : nullptr;
     if (type == nullptr)
         return tl::unexpected(ParseError{parameter.where,
                                          quote(parameter.type) + " is not a parameter type" + near(parameter.type, kTypes),
-                                         parameter.type == "color"});
+                                         renamed.empty() ? 4 : 3});
 
     const auto add = [&](const Token& token) -> std::optional<ParseError> {
         const auto wrong = [&](std::string_view what) {
             return ParseError{token.where, fmt::format("{}: {} is not {}", parameter.name, quote(token.text), what)};
         };
-        const bool is_string = token.kind == Token::Kind::kString;
+        const bool is_quoted_flag = is_v3_ && type->values == ValueKind::kFlags && (token.text == "true" || token.text == "false");
+        const bool is_string = token.kind == Token::Kind::kString && !is_quoted_flag;
         if (is_string && type->values < ValueKind::kStrings)
             return ParseError{token.where, fmt::format("{}: its type is {}, but {} is a string", parameter.name, parameter.type,
                                                        quote(token.text))};
@@ -245,8 +261,9 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     };
     auto token = tokens_.next();
     if (!token) return tl::unexpected(token.error());
-    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < ValueKind::kStrings &&
-                                type_of(declaration_in((*token)->text).first) != nullptr;
+    const bool next_parameter =
+        *token && (*token)->kind == Token::Kind::kString && type->values < ValueKind::kStrings &&
+        (type_of(declaration_in((*token)->text).first) != nullptr || !new_type(declaration_in((*token)->text).first).empty());
     if (ends_list(*token) || next_parameter) return tl::unexpected(missing(parameter.where, parameter.name, "a value", *token));
     if ((*token)->kind != Token::Kind::kOpen) {
         if ((*token)->kind == Token::Kind::kClose)

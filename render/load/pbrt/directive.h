@@ -31,8 +31,9 @@ struct Directive {
 
 class DirectiveReader {
  public:
-    // `text` must outlive the reader.
-    DirectiveReader(std::string_view text, std::uint32_t file) : tokens_(text, file) {}
+    // `text` must outlive the reader. `is_v3`: it is in the language of pbrt-v3, whose types get the names of pbrt-v4; but xyz
+    // stays.
+    DirectiveReader(std::string_view text, std::uint32_t file, bool is_v3 = false) : tokens_(text, file), is_v3_(is_v3) {}
 
     // The next directive; nothing at the end. Any error is one of syntax: the directive is lost, and the call after that goes on
     // at the next word that begins one.
@@ -47,6 +48,7 @@ class DirectiveReader {
     tl::expected<std::optional<Parameter>, ParseError> parameter();
 
     Tokenizer tokens_;
+    const bool is_v3_;
     bool is_lost_ = false;  // after an error
 };
 

@@ -70,10 +70,4 @@ std::string unsupported(std::string_view directive, std::string_view type) {
     return fmt::format("{} \"{}\" is not supported{} ({})", directive, type, near_types(directive, type), types_of(directive));
 }
 
-bool is_of_pbrt_v3(std::string_view directive, std::string_view type) {
-    static constexpr std::string_view kMaterials[] = {"disney", "fourier", "glass",     "kdsubsurface", "matte", "metal",
-                                                      "mirror", "plastic", "substrate", "translucent",  "uber"};
-    return (directive == "Film" && type == "image") || (directive == "Material" && std::ranges::count(kMaterials, type) > 0);
-}
-
 }  // namespace latent::render

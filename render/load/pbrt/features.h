@@ -27,7 +27,5 @@ std::string types_of(std::string_view directive);
 std::string near_types(std::string_view directive, std::string_view type);
 // "Material "conducter" is not supported; did you mean conductor? (diffuse, conductor)".
 std::string unsupported(std::string_view directive, std::string_view type);
-// Whether it is a type of pbrt-v3 that pbrt-v4 does not have: Film "image".
-bool is_of_pbrt_v3(std::string_view directive, std::string_view type);
 
 }  // namespace latent::render

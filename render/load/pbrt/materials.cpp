@@ -278,6 +278,29 @@ Part passing() {
     };
 }
 
+// A film on the surface and on its glass, and facets that are rougher in one direction.
+Part film_and_direction() {
+    return [](const Reading& r) {
+        const FloatInput film = r.textures.number(r.list, "film", 0, 0, 1),
+                         thickness = r.textures.number(r.list, "filmthickness", 400, 0, 1e6),
+                         anisotropy = r.textures.number(r.list, "anisotropy", 0, 0, 1);
+        const double eta = r.list.number("filmeta", 1.3, 1, 10), turns = r.list.number("anisotropyrotation", 0, -360, 360) / 360;
+        const bool has_glass = r.whole.second && r.whole.second->type != "diffusetransmission";
+        if (film.is_textured() || film.value > 0) {
+            for (MaterialDescription* covered : {&r.material, has_glass ? &*r.whole.second : nullptr}) {
+                if (covered == nullptr) continue;
+                covered->numbers["film"] = film;
+                covered->numbers["film_eta"] = static_cast<float>(eta);
+                covered->numbers["film_thickness"] = thickness;
+            }
+        }
+        if (!anisotropy.is_textured() && anisotropy.value == 0) return;
+        if (has_glass) r.list.warn("anisotropy: of glass is not supported, and is ignored");
+        r.material.numbers["anisotropy"] = anisotropy;
+        if (turns != 0) r.material.numbers["anisotropy_turns"] = static_cast<float>(turns - std::floor(turns));
+    };
+}
+
 struct MaterialType {
     std::string name;
     std::vector<Part> parts;     // read in this order
@@ -314,7 +337,7 @@ const std::vector<MaterialType>& types() {
         {"measured", {measurement()}},
         {"latent:principled",
          {reflectance("color", 0.8, "base_color"), number("metallic", 0, 0, 1), number("roughness", 0.5, 0, 1), mirror(),
-          number("coat", 0, 0, 1), number("coatroughness", 0, 0, 1, "coat_roughness"), sheen(), passing()},
+          number("coat", 0, 0, 1), number("coatroughness", 0, 0, 1, "coat_roughness"), sheen(), passing(), film_and_direction()},
          "metallicroughness"},
         {"subsurface", {constant_index("eta", 1.33), roughness()}, "dielectric"},  // what is below: read_subsurface
     };

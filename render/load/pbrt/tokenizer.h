@@ -22,7 +22,7 @@ struct Token {
 struct ParseError {
     SourceLocation where;
     std::string message;
-    bool is_of_pbrt_v3 = false;  // what was read belongs to that format
+    int pbrt_version = 4;  // 2 or 3: what was read belongs to that format
 };
 
 class Tokenizer {

@@ -1,0 +1,54 @@
+// render/load/pbrt/from_v3.h: scenes for pbrt-v3: each directive as pbrt-v4 has it, about as `pbrt --upgrade` writes it.
+// docs/scenes.md, "Scenes for pbrt-v3".
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/load/files/diagnostics.h"
+#include "render/load/pbrt/directive.h"
+
+namespace latent::render {
+
+// Whether it has a type that pbrt-v3 has and pbrt-v4 has not: Film "image".
+bool is_of_pbrt_v3(const Directive& d);
+
+class FromPbrtV3 {
+ public:
+    explicit FromPbrtV3(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+    // In the order of the file. False: pbrt-v4 has no use for it.
+    bool translate(Directive& d);
+
+ private:
+    void film(Directive& d) const;
+    void integrator(Directive& d) const;
+    void light(Directive& d) const;
+    void shape(Directive& d) const;
+    void texture(Directive& d);
+    void scale_texture(Directive& d) const;
+    // Returns the share of the surface that is there, if that is not all.
+    std::optional<double> material(std::string& type, Directive& d) const;
+    void mixture(Directive& d) const;
+    void translucent(Directive& d) const;
+    void disney(Directive& d) const;
+
+    // The name that stands for `name` from now on: pbrt-v3 allows to define it again.
+    std::string define(const std::string& kind, const std::string& name);
+    std::string current(const std::string& kind, const std::string& name) const;
+    // A parameter that pbrt-v4 lacks, unless it has the value that changes nothing.
+    void drop(Directive& d, std::string_view name, std::optional<double> harmless, std::string_view why) const;
+
+    struct Known {
+        int count = 0;  // definitions
+        std::optional<double> opacity{};
+    };
+    Diagnostics& diagnostics_;
+    std::map<std::pair<std::string, std::string>, Known> names_;  // by kind and name
+    std::optional<double> opacity_;                              // of the current material
+    std::vector<std::optional<double>> opacities_;               // of those that end with a block
+};
+
+}  // namespace latent::render
