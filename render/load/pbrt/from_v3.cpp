@@ -155,7 +155,8 @@ void FromPbrtV3::film(Directive& d) const {
 }
 
 void FromPbrtV3::integrator(Directive& d) const {
-    for (const char* name : {"rrthreshold", "lightsamplestrategy", "strategy", "numiterations", "imagewritefrequency", "pixelbounds"})
+    for (const char* name :
+         {"rrthreshold", "lightsamplestrategy", "strategy", "numiterations", "imagewritefrequency", "pixelbounds"})
         take(d, name);
     if (d.strings[0] != "directlighting" && d.strings[0] != "whitted") return;
     if (d.strings[0] == "directlighting") set(d, "integer", "maxdepth", {1});
@@ -170,7 +171,8 @@ void FromPbrtV3::light(Directive& d) const {
     const bool has_picture = find(d, "filename") != nullptr;
     double total = 1;
     const auto multiply = [&](const Parameter& p) {
-        if (!grey(p)) diagnostics_.warn(p.where, fmt::format("{}: its mean counts, since pbrt-v4 has one factor for all colours", p.name));
+        if (!grey(p))
+            diagnostics_.warn(p.where, fmt::format("{}: its mean counts, since pbrt-v4 has one factor for all colours", p.name));
         total *= mean(p);
     };
     if (const std::optional<Parameter> scale = take(d, "scale")) multiply(*scale);
@@ -191,7 +193,8 @@ void FromPbrtV3::shape(Directive& d) const {
     for (const char* name : {"discarddegenerateUVs", "shadowalpha", "nsamples"}) take(d, name);
     rename(d, "nlevels", "levels");
     for (const char* name : {"uv", "st"}) {
-        if (Parameter* p = find(d, name); p != nullptr && (p->type == "float" || p->type == "point2")) p->type = "point2", p->name = "uv";
+        if (Parameter* p = find(d, name); p != nullptr && (p->type == "float" || p->type == "point2"))
+            p->type = "point2", p->name = "uv";
     }
     if (opacity_ && find(d, "alpha") == nullptr) set(d, "float", "alpha", {*opacity_});
 }
@@ -206,7 +209,9 @@ void FromPbrtV3::texture(Directive& d) {
         if (const std::optional<Parameter> p = take(d, "gamma")) {
             const bool is_flag = !p->flags.empty();
             set_text(d, "string", "encoding",
-                     {is_flag ? (p->flags[0] ? "sRGB" : "linear") : p->numbers.empty() ? "sRGB" : fmt::format("gamma {}", p->numbers[0])});
+                     {is_flag              ? (p->flags[0] ? "sRGB" : "linear")
+                      : p->numbers.empty() ? "sRGB"
+                                           : fmt::format("gamma {}", p->numbers[0])});
         }
     }
     take(d, "aamode");
@@ -229,7 +234,8 @@ void FromPbrtV3::scale_texture(Directive& d) const {
     const auto is_number = [](const std::optional<Parameter>& p) { return !p || grey(*p).has_value(); };
     if (!is_number(b)) std::swap(a, b);
     if (!is_number(b))
-        return diagnostics_.error(d.where, "Texture \"scale\": the product of two colours is not supported: one of tex1 and tex2 must be grey");
+        return diagnostics_.error(
+            d.where, "Texture \"scale\": the product of two colours is not supported: one of tex1 and tex2 must be grey");
     Parameter tex = a.value_or(Parameter{.type = "rgb", .where = d.where, .numbers = {1, 1, 1}});
     tex.name = "tex";
     if (tex.type == "float") tex.type = "rgb", tex.numbers.resize(3, tex.numbers.empty() ? 1 : tex.numbers[0]);
@@ -356,7 +362,8 @@ void FromPbrtV3::disney(Directive& d) const {
     rename(d, "clearcoat", "coat");
     // alpha = 0.1 + (0.001 - 0.1) gloss, roughness its root.
     const double shine = gloss ? grey(*gloss).value_or(1) : 1;
-    if (find(d, "coat") != nullptr) set(d, "float", "coatroughness", {std::sqrt(0.1 + (0.001 - 0.1) * std::clamp(shine, 0.0, 1.0))});
+    if (find(d, "coat") != nullptr)
+        set(d, "float", "coatroughness", {std::sqrt(0.1 + (0.001 - 0.1) * std::clamp(shine, 0.0, 1.0))});
     rename(d, "spectrans", "transmission");
     rename(d, "anisotropic", "anisotropy");
     if (const std::optional<Parameter> sheen = take(d, "sheen")) {
