@@ -9,6 +9,7 @@
 #include "sampledb/data/film_position.h"
 #include "sampledb/write/part_writer.h"
 #include "tests/inspect/inspect_test.h"
+#include "tools/inspect/synthetic.h"
 
 namespace latent::inspect {
 namespace {

@@ -13,6 +13,7 @@
 #include "image/exr_writer.h"
 #include "image/png_writer.h"
 #include "sampledb/read/origin.h"
+#include "sampledb/read/report_json.h"
 #include "tools/inspect/info.h"
 
 namespace latent::inspect {
