@@ -1,7 +1,7 @@
 // bench/make_picture.cpp: a picture of any size as latent-develop writes it (XYZ floats, tiles, uncompressed), in little memory.
 //   make_picture OUT.exr WIDTH HEIGHT [FILM EI]
-// Colours that drift over a contrast of 2^7, with 3 % of grain in every pixel; some are out of sRGB's gamut. With FILM, the same numbers
-// are exposures of its layers, where 1 is that of a grey card.
+// Colours that drift over a contrast of 2^7, with 3 % of grain in every pixel; some are out of sRGB's gamut. With FILM, the same
+// numbers are exposures of its layers, where 1 is that of a grey card.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>

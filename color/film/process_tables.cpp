@@ -45,7 +45,8 @@ Table1 tabulated(double first, double last, double step, const std::function<dou
 }
 
 LayerTables layer_by_layer(const std::array<Table1, 3>& tables) {
-    return tables_of(tables, [&](std::size_t layer, std::size_t which, std::size_t i) { return layer == which ? tables[layer].y[i] : 0; });
+    return tables_of(tables,
+                     [&](std::size_t layer, std::size_t which, std::size_t i) { return layer == which ? tables[layer].y[i] : 0; });
 }
 
 LayerTables coupling_tables(const std::array<Table1, 3>& amounts, const Coupling& coupling, double sign) {

@@ -22,7 +22,7 @@ Table1 tabulated(double first, double last, double step, const std::function<dou
 // Three numbers, each added up from the tables of three layers: v = y_r(x_r) + y_g(x_g) + y_b(x_b).
 struct LayerTables {
     std::array<float, 4> first{}, per_unit{}, last{};  // by layer; `last`: just below the last place
-    std::array<std::vector<float>, 3> y;               // by layer; eight for each place: four numbers, and what the next place has more
+    std::array<std::vector<float>, 3> y;  // by layer; eight for each place: four numbers, and what the next place has more
 
     bool empty() const { return y[0].empty(); }
 };
@@ -47,13 +47,13 @@ Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves
 
 // Steps that are empty are left out.
 struct ProcessTables {
-    bool mono = false;                             // the first layer stands for all three
-    LayerTables coupling;                          // added to the log10 exposures
-    LayerTables film;                              // amounts by log10 exposure
-    Table3 through;                                // amounts to log10 exposures of the print, or to log10 XYZ
-    std::array<float, 4> slope{1, 1, 1}, offset{};  // applied to these
-    LayerTables print;                             // amounts of the print by log10 exposure; mono: log10 Y
-    Table3 look;                                   // amounts of the print to log10 XYZ
+    bool mono = false;                                       // the first layer stands for all three
+    LayerTables coupling;                                    // added to the log10 exposures
+    LayerTables film;                                        // amounts by log10 exposure
+    Table3 through;                                          // amounts to log10 exposures of the print, or to log10 XYZ
+    std::array<float, 4> slope{1, 1, 1}, offset{};           // applied to these
+    LayerTables print;                                       // amounts of the print by log10 exposure; mono: log10 Y
+    Table3 look;                                             // amounts of the print to log10 XYZ
     std::array<float, 9> matrix{1, 0, 0, 0, 1, 0, 0, 0, 1};  // from 10^ of these to XYZ
 };
 
