@@ -1,10 +1,12 @@
 // bench/make_picture.cpp: a picture of any size as latent-develop writes it (XYZ floats, tiles, uncompressed), in little memory.
-//   make_picture OUT.exr WIDTH HEIGHT
-// Colours that drift over a contrast of 2^7, with 3 % of grain in every pixel; some are out of sRGB's gamut.
+//   make_picture OUT.exr WIDTH HEIGHT [FILM EI]
+// Colours that drift over a contrast of 2^7, with 3 % of grain in every pixel; some are out of sRGB's gamut. With FILM, the same
+// numbers are exposures of its layers, where 1 is that of a grey card.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <fmt/format.h>
 
@@ -39,7 +41,9 @@ void fill(float* pixel, int width, int height, int y) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 4) return fmt::print(stderr, "usage: make_picture OUT.exr WIDTH HEIGHT\n"), 2;
+    if (argc != 4 && argc != 6) return fmt::print(stderr, "usage: make_picture OUT.exr WIDTH HEIGHT [FILM EI]\n"), 2;
+    const bool on_film = argc == 6;
+    const float scale = on_film ? 10 / std::stof(argv[5]) : 1;
     constexpr int kTile = 256;
     const int width = std::stoi(argv[2]), height = std::stoi(argv[3]);
     Imf::Header header(width, height);
@@ -47,8 +51,14 @@ int main(int argc, char** argv) {
     header.setTileDescription({kTile, kTile, Imf::ONE_LEVEL});
     header.lineOrder() = Imf::RANDOM_Y;
     for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-    Imf::addChromaticities(header, Imf::Chromaticities({1, 0}, {0, 1}, {0, 0}, {1 / 3.0f, 1 / 3.0f}));
-    Imf::addAdoptedNeutral(header, {0.3127f, 0.3290f});
+    if (on_film) {
+        header.insert("latentFilm", Imf::StringAttribute(argv[4]));
+        header.insert("latentExposureIndex", Imf::StringAttribute(argv[5]));
+        header.insert("latentPush", Imf::StringAttribute("0"));
+    } else {
+        Imf::addChromaticities(header, Imf::Chromaticities({1, 0}, {0, 1}, {0, 0}, {1 / 3.0f, 1 / 3.0f}));
+        Imf::addAdoptedNeutral(header, {0.3127f, 0.3290f});
+    }
     Imf::TiledOutputFile file(argv[1], header, 0);
     std::vector<float> rows(3 * static_cast<std::size_t>(width) * kTile);
     const std::size_t row_size = 3 * static_cast<std::size_t>(width);
@@ -56,6 +66,7 @@ int main(int argc, char** argv) {
         const int first = tile * kTile;
         for (int y = first; y < std::min(height, first + kTile); ++y)
             fill(&rows[row_size * static_cast<std::size_t>(y - first)], width, height, y);
+        for (float& v : rows) v *= scale;
         Imf::FrameBuffer buffer;
         const std::size_t stride = row_size * sizeof(float);
         char* base = reinterpret_cast<char*>(rows.data()) - static_cast<std::ptrdiff_t>(stride) * first;
