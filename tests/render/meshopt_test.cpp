@@ -1,4 +1,6 @@
 // Buffer views in the compression of meshoptimizer: whatever an encoder chooses, what is unpacked is what was packed.
+#include "render/load/gltf/meshopt.h"
+
 #include <gmock/gmock.h>
 
 #include <array>
@@ -7,7 +9,6 @@
 #include <random>
 
 #include "base/bytes.h"
-#include "render/load/gltf/meshopt.h"
 #include "render/scene/content_hash.h"
 #include "tests/render/models.h"
 #include "tests/render/scenes.h"
@@ -37,10 +38,12 @@ class Encoder {
     std::uint32_t below(std::uint32_t n) { return random_() % n; }
 
     std::string attributes(const std::string& items, std::size_t stride, bool is_v1) {
-        const std::size_t count = items.size() / stride, channels = stride / 4, most = std::min((8192 / stride) & ~std::size_t{15}, std::size_t{256});
+        const std::size_t count = items.size() / stride, channels = stride / 4,
+                          most = std::min((8192 / stride) & ~std::size_t{15}, std::size_t{256});
         std::string out(1, is_v1 ? '\xa1' : '\xa0'), baseline, modes;
         for (std::size_t k = 0; k < stride; ++k) baseline += static_cast<char>(below(256));
-        for (std::size_t c = 0; c < channels; ++c) modes += static_cast<char>(!is_v1 ? 0 : below(3) == 2 ? below(16) * 16 + 2 : below(2));
+        for (std::size_t c = 0; c < channels; ++c)
+            modes += static_cast<char>(!is_v1 ? 0 : below(3) == 2 ? below(16) * 16 + 2 : below(2));
         const std::string all = baseline + items;
         const auto byte = [&](std::size_t item, std::size_t k) { return static_cast<std::uint8_t>(all[item * stride + k]); };
         // What is stored of byte k of an item: of a delta of one, two or four bytes.
@@ -52,8 +55,8 @@ class Encoder {
                 now |= std::uint32_t{byte(item + 1, first + i)} << (8 * i);
                 before |= std::uint32_t{byte(item, first + i)} << (8 * i);
             }
-            const std::uint32_t delta =
-                size == 4 ? std::rotl(now ^ before, static_cast<int>(mode / 16)) : zigzag(now - before, static_cast<unsigned>(8 * size));
+            const std::uint32_t delta = size == 4 ? std::rotl(now ^ before, static_cast<int>(mode / 16))
+                                                  : zigzag(now - before, static_cast<unsigned>(8 * size));
             return static_cast<std::uint8_t>(delta >> (8 * (k - first)));
         };
         for (std::size_t begin = 0; begin < count; begin += most) {
@@ -72,7 +75,9 @@ class Encoder {
                     const bool none = deltas == std::array<std::uint8_t, 16>{};
                     unsigned code = below(4);
                     const auto bits_of = [&](unsigned c) {
-                        return !is_v1 ? std::array{0u, 2u, 4u, 8u}[c] : control == 0 ? std::array{0u, 1u, 2u, 4u}[c] : std::array{1u, 2u, 4u, 8u}[c];
+                        return !is_v1         ? std::array{0u, 2u, 4u, 8u}[c]
+                               : control == 0 ? std::array{0u, 1u, 2u, 4u}[c]
+                                              : std::array{1u, 2u, 4u, 8u}[c];
                     };
                     while (bits_of(code) == 0 && !none) code = below(4);
                     headers[g / 4] = static_cast<char>(headers[g / 4] | code << (g % 4 * 2));
@@ -110,7 +115,9 @@ class Encoder {
         std::vector<std::uint32_t> vertices;
         std::uint32_t next = 0, last = 0;
         const auto recent = [](const auto& all, std::size_t age) { return all[all.size() - 1 - age]; };
-        const auto vertex = [&](unsigned age, std::uint32_t v) { return age < std::min<std::size_t>(vertices.size(), 16) && recent(vertices, age) == v; };
+        const auto vertex = [&](unsigned age, std::uint32_t v) {
+            return age < std::min<std::size_t>(vertices.size(), 16) && recent(vertices, age) == v;
+        };
         const auto put_explicit = [&](std::uint32_t v) { put_varint(data, zigzag(v - last)), last = v; };
         for (std::size_t t = 0; t < list.size(); t += 3) {
             const std::uint32_t a = list[t], b = list[t + 1], c = list[t + 2];
@@ -211,7 +218,8 @@ TEST(Meshopt, AttributesAreWhatWasPacked) {
                 std::string items(stride * count, '\0');
                 for (std::size_t i = 0; i < items.size(); ++i) {
                     const std::uint32_t size = i % stride % 4 == 3 ? 1 : 1 + 300 / (1 + encoder.below(300));
-                    items[i] = static_cast<char>((i < stride ? 0 : static_cast<unsigned char>(items[i - stride])) + encoder.below(size));
+                    items[i] =
+                        static_cast<char>((i < stride ? 0 : static_cast<unsigned char>(items[i - stride])) + encoder.below(size));
                 }
                 const std::string packed = encoder.attributes(items, stride, is_v1);
                 ASSERT_EQ(unpacked(packed, {.mode = "ATTRIBUTES", .count = count, .stride = stride}), items);
@@ -244,7 +252,8 @@ TEST(Meshopt, TrianglesAreWhatWasPacked) {
         for (int i = 0; i < 200; ++i) list.push_back(encoder.below(1 << 24));
         list.resize(list.size() / 3 * 3);
         // Edges are found as the one before left them: (c, b) and (a, c).
-        for (std::uint32_t i = 1000; i < 1040; ++i) list.insert(list.end(), {i + 1, i, i + 2, i + 2, i, i + 3, i + 1, i + 2, i + 5});
+        for (std::uint32_t i = 1000; i < 1040; ++i)
+            list.insert(list.end(), {i + 1, i, i + 2, i + 2, i, i + 3, i + 1, i + 2, i + 5});
         ASSERT_EQ(unpacked(encoder.triangles(list), {.mode = "TRIANGLES", .count = list.size(), .stride = 4}), bytes_of(list, 4));
     }
 }
@@ -286,7 +295,8 @@ TEST(Meshopt, FiltersGiveBackVectorsRotationsFloatsAndColours) {
         const int one = (1 << (bits - 1)) - 1;
         for (int i = 0; i < 200; ++i) {
             // A point of the square, of which the vector is known.
-            const int x = static_cast<int>(encoder.below(2u * one + 1)) - one, y = static_cast<int>(encoder.below(2u * one + 1)) - one;
+            const int x = static_cast<int>(encoder.below(2u * one + 1)) - one,
+                      y = static_cast<int>(encoder.below(2u * one + 1)) - one;
             double u = double{1} * x / one, v = double{1} * y / one;
             const double z = 1 - std::abs(u) - std::abs(v);
             if (z < 0) {
@@ -306,7 +316,8 @@ TEST(Meshopt, FiltersGiveBackVectorsRotationsFloatsAndColours) {
     EXPECT_EQ(filtered(item_of<std::int8_t>({-7, 0, 7, 0}), "OCTAHEDRAL"), item_of<std::int8_t>({-127, 0, 0, 0}));
     // Half a turn about (1, 1, 0): x is the largest; then y, z, w, times sqrt(2), of 12 bits.
     for (std::size_t largest = 0; largest < 4; ++largest) {
-        const std::string out = filtered(item_of<std::int16_t>({2047 / 2, 0, -2047 / 4, static_cast<int>(2044 | largest)}), "QUATERNION");
+        const std::string out =
+            filtered(item_of<std::int16_t>({2047 / 2, 0, -2047 / 4, static_cast<int>(2044 | largest)}), "QUATERNION");
         const double a = 1023 / 2047.0 / std::sqrt(2), c = -511 / 2047.0 / std::sqrt(2);
         EXPECT_NEAR(number_of<std::int16_t>(out, (largest + 1) % 4), a * 32767, 1);
         EXPECT_EQ(number_of<std::int16_t>(out, (largest + 2) % 4), 0);
@@ -314,8 +325,10 @@ TEST(Meshopt, FiltersGiveBackVectorsRotationsFloatsAndColours) {
         EXPECT_NEAR(number_of<std::int16_t>(out, largest), std::sqrt(1 - a * a - c * c) * 32767, 1);
     }
     for (const auto& [e, m] : {std::pair{0, 5}, std::pair{-3, -12345}, std::pair{100, 1}, std::pair{-100, -(1 << 23)}}) {
-        const auto bits = static_cast<std::int32_t>(static_cast<std::uint32_t>(e) << 24 | (static_cast<std::uint32_t>(m) & 0xFFFFFF));
-        EXPECT_EQ(number_of<float>(filtered(item_of<std::int32_t>({bits}), "EXPONENTIAL"), 0), std::ldexp(static_cast<float>(m), e));
+        const auto bits =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(e) << 24 | (static_cast<std::uint32_t>(m) & 0xFFFFFF));
+        EXPECT_EQ(number_of<float>(filtered(item_of<std::int32_t>({bits}), "EXPONENTIAL"), 0),
+                  std::ldexp(static_cast<float>(m), e));
     }
     // 8 bits: Co = (r - b) / 2, Cg = (2 g - r - b) / 4.
     EXPECT_EQ(filtered(item_of<std::uint8_t>({100, 30, -20, 0x80 | 0x7f}), "COLOR"), item_of<std::uint8_t>({150, 80, 90, 255}));
@@ -368,7 +381,8 @@ class CompressedGltf : public ::testing::Test {
  protected:
     GltfFile plain() const {
         GltfFile file;
-        const Json position = file.add_floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5}, "VEC3"), indices = file.add_indices({0, 1, 2, 2, 0, 3}, 5123);
+        const Json position = file.add_floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5}, "VEC3"),
+                   indices = file.add_indices({0, 1, 2, 2, 0, 3}, 5123);
         file.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}}}}}};
         file.json["nodes"] = {{{"mesh", 0}}};
         file.json["scenes"] = {{{"nodes", {0}}}};
@@ -377,13 +391,16 @@ class CompressedGltf : public ::testing::Test {
     GltfFile compressed(const std::string& extension) const {
         GltfFile file = plain();
         Encoder encoder(5);
-        const std::string positions = file.binary.substr(0, 48), bytes = encoder.attributes(positions, 12, extension == "KHR_meshopt_compression"),
+        const std::string positions = file.binary.substr(0, 48),
+                          bytes = encoder.attributes(positions, 12, extension == "KHR_meshopt_compression"),
                           indices = encoder.triangles({0, 1, 2, 2, 0, 3});
         file.binary = bytes + indices;
         Json &first = file.json["bufferViews"][0], &second = file.json["bufferViews"][1];
-        first["extensions"][extension] = {{"buffer", 0}, {"byteLength", bytes.size()}, {"byteStride", 12}, {"count", 4}, {"mode", "ATTRIBUTES"}};
-        second["extensions"][extension] = {{"buffer", 0},     {"byteOffset", bytes.size()}, {"byteLength", indices.size()},
-                                           {"byteStride", 2}, {"count", 6},                 {"mode", "TRIANGLES"}};
+        first["extensions"][extension] = {
+            {"buffer", 0}, {"byteLength", bytes.size()}, {"byteStride", 12}, {"count", 4}, {"mode", "ATTRIBUTES"}};
+        second["extensions"][extension] = {
+            {"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", indices.size()}, {"byteStride", 2},
+            {"count", 6},  {"mode", "TRIANGLES"}};
         first["buffer"] = second["buffer"] = 1;
         file.json["buffers"] = {{{"byteLength", file.binary.size()}},
                                 {{"byteLength", 60}, {"extensions", {{extension, {{"fallback", true}}}}}}};
@@ -420,10 +437,12 @@ TEST_F(CompressedGltf, SaysWhichViewIsWrong) {
     };
     const std::string first = "/bufferViews/0/extensions/EXT_meshopt_compression";
     EXPECT_THAT(refused(Json::json_pointer(first + "/mode"), "POINTS"), HasSubstr(first + ": its mode is \"POINTS\""));
-    EXPECT_THAT(refused(Json::json_pointer(first + "/filter"), "OCTAHEDRAL"), HasSubstr(first + ": its filter is \"OCTAHEDRAL\", of items of 12 bytes"));
+    EXPECT_THAT(refused(Json::json_pointer(first + "/filter"), "OCTAHEDRAL"),
+                HasSubstr(first + ": its filter is \"OCTAHEDRAL\", of items of 12 bytes"));
     EXPECT_THAT(refused(Json::json_pointer(first + "/byteLength"), 20), HasSubstr(first + ": its compressed data: truncated"));
     EXPECT_THAT(refused(Json::json_pointer(first + "/byteLength"), 2000), HasSubstr(first + ": ends at byte 2000 of a buffer of"));
-    EXPECT_THAT(refused(Json::json_pointer(first + "/count"), 5), HasSubstr(first + ": 5 items of 12 bytes are not the 48 bytes of its view"));
+    EXPECT_THAT(refused(Json::json_pointer(first + "/count"), 5),
+                HasSubstr(first + ": 5 items of 12 bytes are not the 48 bytes of its view"));
     EXPECT_THAT(refused(Json::json_pointer(first + "/buffer"), 7), HasSubstr(first + "/buffer: "));
 }
 

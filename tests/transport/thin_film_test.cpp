@@ -42,8 +42,9 @@ TEST(ThinFilm, IsTheSumOfAllBounces) {
         for (const double film : {1.0, 1.33, 2.2}) {
             for (const double thickness : {0.0, 120.0, 400.0, 1500.0}) {
                 for (const double base : {1.2, 1.5, 4.0}) {
-                    const ThinFilm::Ray ray({.share = 1, .eta = static_cast<float>(film), .thickness_nm = static_cast<float>(thickness)},
-                                            static_cast<float>(c));
+                    const ThinFilm::Ray ray(
+                        {.share = 1, .eta = static_cast<float>(film), .thickness_nm = static_cast<float>(thickness)},
+                        static_cast<float>(c));
                     for (const double nm : kLambdas) {
                         SCOPED_TRACE(::testing::Message() << c << " " << film << " " << thickness << " " << base << " " << nm);
                         // The phase is a float: of 1500 nm up to 16 turns, to 2^-20.
@@ -59,8 +60,8 @@ TEST(ThinFilm, IsTheSumOfAllBounces) {
 // A film of no thickness, or of the base's index, is not there; a quarter of a wavelength of index sqrt(n) reflects nothing.
 TEST(ThinFilm, HasTheLimitsThatOpticiansUse) {
     for (const float c : {1.0f, 0.6f, 0.2f}) {
-        EXPECT_NEAR(ThinFilm::Ray({.share = 1, .eta = 1.7f, .thickness_nm = 0}, c).reflectance(1.5f, 550), fresnel_dielectric(c, 1.5f),
-                    2e-6);
+        EXPECT_NEAR(ThinFilm::Ray({.share = 1, .eta = 1.7f, .thickness_nm = 0}, c).reflectance(1.5f, 550),
+                    fresnel_dielectric(c, 1.5f), 2e-6);
         EXPECT_NEAR(ThinFilm::Ray({.share = 1, .eta = 1.5f, .thickness_nm = 700}, c).reflectance(1.5f, 480),
                     fresnel_dielectric(c, 1.5f), 2e-6);
     }
@@ -143,7 +144,8 @@ TEST(SchlickAlbedo, IsTheIntegralOverTheFacets) {
             for (int i = 0; i < kSteps * kSteps; ++i) {  // in cos^2, the middles of strata
                 const float c = std::sqrt((static_cast<float>(i / kSteps) + 0.5f) / kSteps);
                 const Vec3f wi = render::direction_at(c, (static_cast<float>(i % kSteps) + 0.5f) / kSteps);
-                sum += static_cast<double>(facets.density(normalize(wo + wi)) * facets.masking_shadowing(wo, wi) / (4 * mu * c) * kPi);
+                sum +=
+                    static_cast<double>(facets.density(normalize(wo + wi)) * facets.masking_shadowing(wo, wi) / (4 * mu * c) * kPi);
             }
             EXPECT_NEAR(SchlickAlbedo(1, 1, alpha)(mu), sum / (kSteps * kSteps), 1e-3) << alpha << " " << mu;
         }
@@ -157,9 +159,8 @@ TEST(Iridescence, WhiteMatterUnderAFilmLosesLittle) {
     at_lambdas(spectra);
     for (const float thickness : {150.0f, 400.0f, 800.0f}) {
         for (const float alpha : {0.05f, 0.4f}) {
-            const MetallicRoughness white(values().white,
-                                          {.alpha = alpha, .film = {.share = 1, .eta = 1.8f, .thickness_nm = thickness}}, nullptr,
-                                          &spectra);
+            const MetallicRoughness white(
+                values().white, {.alpha = alpha, .film = {.share = 1, .eta = 1.8f, .thickness_nm = thickness}}, nullptr, &spectra);
             for (const Vec3f& wo : {normalize(Vec3f{0.1f, 0.2f, 0.9f}), normalize(Vec3f{-0.7f, 0.3f, 0.4f})}) {
                 constexpr int kCount = 40'000;
                 double sum[5] = {}, squares[5] = {};
@@ -223,8 +224,11 @@ TEST(Anisotropy, HasTheFacetsThatItsExtensionSays) {
 TEST(Anisotropy, TurnsCounterclockwiseFromTheTangent) {
     using List = std::initializer_list<std::pair<std::string_view, float>>;
     const List turned = {{"metallic", 1}, {"roughness", 0.5f}, {"anisotropy", 0.8f}, {"anisotropy_turns", 0.125f}},
-               pictured = {{"metallic", 1},        {"roughness", 0.5f},     {"anisotropy", 0.8f},
-                           {"anisotropy_x", 0.75f}, {"anisotropy_y", 0.75f}},
+               pictured = {{"metallic", 1},
+                           {"roughness", 0.5f},
+                           {"anisotropy", 0.8f},
+                           {"anisotropy_x", 0.75f},
+                           {"anisotropy_y", 0.75f}},
                straight = {{"metallic", 1}, {"roughness", 0.5f}, {"anisotropy", 0.8f}};
     const auto back = [](const Vec3f& w) {
         const float h = std::sqrt(0.5f);

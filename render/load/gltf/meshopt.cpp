@@ -105,7 +105,8 @@ void add_deltas(unsigned mode, const uint8_t* delta, uint8_t* item) {
         for (int i = 0; i < 4; ++i) item[i] = static_cast<uint8_t>(item[i] + from_zigzag(delta[i]));
     } else if (mode % 16 == 1) {
         for (int i = 0; i < 4; i += 2)
-            split(static_cast<std::uint16_t>(join<std::uint16_t>(item + i) + from_zigzag(join<std::uint16_t>(delta + i))), item + i);
+            split(static_cast<std::uint16_t>(join<std::uint16_t>(item + i) + from_zigzag(join<std::uint16_t>(delta + i))),
+                  item + i);
     } else {
         split(join<uint32_t>(item) ^ std::rotr(join<uint32_t>(delta), static_cast<int>(mode / 16)), item);
     }
@@ -114,7 +115,8 @@ void add_deltas(unsigned mode, const uint8_t* delta, uint8_t* item) {
 Result<std::string> unpack_attributes(std::string_view packed, std::size_t count, std::size_t stride) {
     const bool is_v1 = packed[0] == '\xa1';
     if (!is_v1 && packed[0] != '\xa0') return bad_stream("no attributes, or of an unknown version");
-    const std::size_t channels = stride / 4, last = stride + (is_v1 ? channels : 0), tail = std::max<std::size_t>(last, is_v1 ? 24 : 32);
+    const std::size_t channels = stride / 4, last = stride + (is_v1 ? channels : 0),
+                      tail = std::max<std::size_t>(last, is_v1 ? 24 : 32);
     const std::size_t block = std::min((8192 / stride) & ~std::size_t{15}, kMaxBlock);
     if (packed.size() < 1 + tail) return bad_stream("truncated");
     // At least this much for each block: its headers.

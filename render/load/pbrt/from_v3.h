@@ -47,8 +47,8 @@ class FromPbrtV3 {
     };
     Diagnostics& diagnostics_;
     std::map<std::pair<std::string, std::string>, Known> names_;  // by kind and name
-    std::optional<double> opacity_;                              // of the current material
-    std::vector<std::optional<double>> opacities_;               // of those that end with a block
+    std::optional<double> opacity_;                               // of the current material
+    std::vector<std::optional<double>> opacities_;                // of those that end with a block
 };
 
 }  // namespace latent::render
