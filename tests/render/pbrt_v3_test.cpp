@@ -123,6 +123,39 @@ TEST_F(PbrtV3, LightsShapesAndTexturesAreThoseOfV4) {
         "NamedMaterial \"n\" Shape \"disk\"");
 }
 
+// Cone, paraboloid and hyperboloid lie on their surfaces, and face along dp/du x dp/dv.
+TEST_F(PbrtV3, QuadricsThatV4LacksAreMeshes) {
+    const auto mesh = [&](const std::string& shape) {
+        const Result<LoadedScene> scene = load_scene(
+            folder_.write("room.pbrt", "Film \"image\"\nWorldBegin\nLightSource \"distant\"\nShape " + shape + "\nWorldEnd"));
+        if (!scene) throw std::runtime_error(scene.error().message);
+        return *testing::in_world(scene->description).shapes.at(0).mesh;
+    };
+    const auto check = [&](const std::string& shape, const auto& off, const auto& gradient) {
+        SCOPED_TRACE(shape);
+        const MeshDescription m = mesh(shape);
+        ASSERT_GT(m.positions.size(), 4000u);
+        for (std::size_t i = 0; i < m.positions.size(); ++i) {
+            const Vec3d p(m.positions[i]);
+            ASSERT_NEAR(off(p), 0, 1e-5);
+            if (p.x * p.x + p.y * p.y < 0.01) continue;
+            const Vec3d g = gradient(p);
+            ASSERT_GT(dot(Vec3d(m.normals[i]), g / length(g)), 0.999);
+        }
+    };
+    check(
+        "\"cone\" \"float radius\" 2 \"float height\" 3", [](const Vec3d& p) { return std::hypot(p.x, p.y) - 2 * (1 - p.z / 3); },
+        [](const Vec3d& p) { return Vec3d(p.x / std::hypot(p.x, p.y), p.y / std::hypot(p.x, p.y), 2.0 / 3); });
+    // Outwards and down.
+    check(
+        "\"paraboloid\" \"float radius\" 2 \"float zmin\" 0.5 \"float zmax\" 2 \"float phimax\" 90",
+        [](const Vec3d& p) { return p.x * p.x + p.y * p.y - 2 * p.z; }, [](const Vec3d& p) { return Vec3d(p.x, p.y, -1); });
+    // x^2 + y^2 = z^2 + 1 of the line from (1, -1, -1) to (1, 1, 1).
+    check(
+        "\"hyperboloid\" \"point p1\" [ 1 -1 -1 ] \"point p2\" [ 1 1 1 ]",
+        [](const Vec3d& p) { return p.x * p.x + p.y * p.y - p.z * p.z - 1; }, [](const Vec3d& p) { return Vec3d(p.x, p.y, -p.z); });
+}
+
 // Also where the first word of pbrt-v3 comes late, or in another file.
 TEST_F(PbrtV3, IsRecognisedByAnyOfItsWords) {
     const std::string lamp = "LightSource \"distant\"\n", ball = "Shape \"sphere\"\n";
@@ -157,9 +190,9 @@ TEST_F(PbrtV3, WhatItLosesIsSaid) {
     EXPECT_THAT(testing::refusal("Film \"image\"\nWorldBegin\nMaterial \"fourier\""),
                 HasSubstr("room.pbrt:3:1: Material \"fourier\" is not supported"));
     EXPECT_THAT(testing::refusal("Film \"image\"\nWorldBegin\nShape \"nurbs\""), HasSubstr("Shape \"nurbs\" is not supported"));
-    EXPECT_THAT(testing::refusal(
-                    "Film \"image\"\nWorldBegin\nTexture \"t\" \"color\" \"scale\" \"rgb tex1\" [ 1 0 0 ] \"rgb tex2\" [ 0 1 0 ]"),
-                HasSubstr("room.pbrt:3:1: Texture \"scale\": the product of two colours is not supported"));
+    EXPECT_THAT(testing::refusal("Film \"image\"\nWorldBegin\nTexture \"t\" \"color\" \"constant\" Texture \"u\" \"color\" "
+                                 "\"scale\" \"texture tex1\" \"t\" \"rgb tex2\" [ 0 1 0 ]"),
+                HasSubstr("room.pbrt:3:32: Texture \"scale\": a texture times a colour is not supported"));
 }
 
 TEST_F(PbrtV3, ScenesOfV2AreRefusedWithThatWord) {

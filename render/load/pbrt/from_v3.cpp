@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
+#include <numbers>
 #include <utility>
 
 namespace latent::render {
@@ -62,6 +65,72 @@ void make_rgb(Parameter& p) {
         p.numbers[i + 1] = -0.9692660 * x + 1.8760108 * y + 0.0415560 * z;
         p.numbers[i + 2] = 0.0556434 * x - 0.2040259 * y + 1.0572252 * z;
     }
+}
+
+// Quadrics that pbrt-v4 has given up become meshes: points by the turn about z, 0 to 1, and by v from 0 to 1 along them.
+struct Quadric {
+    double phi_max = 0;                                 // [rad]
+    std::function<std::array<double, 3>(double)> at{};  // where v is, at phi = 0
+};
+
+double number(Directive& d, std::string_view name, double otherwise) {
+    const std::optional<Parameter> p = take(d, name);
+    return p && p->numbers.size() == 1 ? p->numbers[0] : otherwise;
+}
+std::array<double, 3> point(Directive& d, std::string_view name, const std::array<double, 3>& otherwise) {
+    const std::optional<Parameter> p = take(d, name);
+    return p && p->numbers.size() == 3 ? std::array{p->numbers[0], p->numbers[1], p->numbers[2]} : otherwise;
+}
+
+std::optional<Quadric> quadric_of(Directive& d) {
+    const std::string& type = d.strings[0];
+    if (type != "cone" && type != "paraboloid" && type != "hyperboloid") return std::nullopt;
+    Quadric out{.phi_max = std::clamp(number(d, "phimax", 360), 0.0, 360.0) * std::numbers::pi / 180};
+    const double radius = number(d, "radius", 1);
+    if (type == "cone") {
+        const double height = number(d, "height", 1);
+        out.at = [=](double v) { return std::array{radius * (1 - v), 0.0, v * height}; };
+    } else if (type == "paraboloid") {
+        const double low = number(d, "zmin", 0), high = number(d, "zmax", 1);
+        out.at = [=](double v) {
+            const double z = low + v * (high - low);
+            return std::array{radius * std::sqrt(std::max(z / high, 0.0)), 0.0, z};
+        };
+    } else {
+        const std::array<double, 3> a = point(d, "p1", {0, 0, 0}), b = point(d, "p2", {1, 1, 1});
+        out.at = [=](double v) { return std::array{a[0] + v * (b[0] - a[0]), a[1] + v * (b[1] - a[1]), a[2] + v * (b[2] - a[2])}; };
+    }
+    return out;
+}
+
+// As pbrt-v3 parametrises it; it faces along dp/du x dp/dv.
+void make_mesh(Directive& d, const Quadric& quadric) {
+    constexpr int kAround = 128, kAlong = 32;
+    std::vector<double> p, n, uv, indices;
+    for (int j = 0; j <= kAlong; ++j) {
+        for (int i = 0; i <= kAround; ++i) {
+            const double u = double{1} * i / kAround, v = double{1} * j / kAlong, c = std::cos(u * quadric.phi_max),
+                         s = std::sin(u * quadric.phi_max);
+            const std::array<double, 3> at = quadric.at(v);
+            // Where the surface meets the axis, it turns about it all the same.
+            const bool is_on_axis = at[0] == 0 && at[1] == 0;
+            const double tx = is_on_axis ? 0 : -at[1], ty = is_on_axis ? 1 : at[0], h = 1e-4;
+            const std::array<double, 3> next = quadric.at(std::min(v + h, 1.0)), last = quadric.at(std::max(v - h, 0.0));
+            const double dx = next[0] - last[0], dy = next[1] - last[1], dz = next[2] - last[2];
+            const double nx = ty * dz, ny = -tx * dz, nz = tx * dy - ty * dx, size = std::sqrt(nx * nx + ny * ny + nz * nz);
+            p.insert(p.end(), {at[0] * c - at[1] * s, at[0] * s + at[1] * c, at[2]});
+            n.insert(n.end(), {(nx * c - ny * s) / size, (nx * s + ny * c) / size, nz / size});
+            uv.insert(uv.end(), {u, v});
+            if (i == kAround || j == kAlong) continue;
+            const double first = j * (kAround + 1) + i, above = first + kAround + 1;
+            indices.insert(indices.end(), {first, first + 1, above + 1, first, above + 1, above});
+        }
+    }
+    d.strings[0] = "trianglemesh";
+    set(d, "point3", "P", std::move(p));
+    set(d, "normal", "N", std::move(n));
+    set(d, "point2", "uv", std::move(uv));
+    set(d, "integer", "indices", std::move(indices));
 }
 
 // pbrt-v3 clamps colours of surfaces.
@@ -192,6 +261,7 @@ void FromPbrtV3::light(Directive& d) const {
 void FromPbrtV3::shape(Directive& d) const {
     for (const char* name : {"discarddegenerateUVs", "shadowalpha", "nsamples"}) take(d, name);
     rename(d, "nlevels", "levels");
+    if (const std::optional<Quadric> quadric = quadric_of(d)) make_mesh(d, *quadric);
     for (const char* name : {"uv", "st"}) {
         if (Parameter* p = find(d, name); p != nullptr && (p->type == "float" || p->type == "point2"))
             p->type = "point2", p->name = "uv";
@@ -232,10 +302,14 @@ void FromPbrtV3::scale_texture(Directive& d) const {
         return;
     }
     const auto is_number = [](const std::optional<Parameter>& p) { return !p || grey(*p).has_value(); };
+    if (a && b && a->type == "rgb" && b->type == "rgb" && a->numbers.size() == b->numbers.size()) {
+        for (std::size_t i = 0; i < a->numbers.size(); ++i) a->numbers[i] *= b->numbers[i];
+        b.reset();
+    }
     if (!is_number(b)) std::swap(a, b);
     if (!is_number(b))
         return diagnostics_.error(
-            d.where, "Texture \"scale\": the product of two colours is not supported: one of tex1 and tex2 must be grey");
+            d.where, "Texture \"scale\": a texture times a colour is not supported: one of tex1 and tex2 must be grey");
     Parameter tex = a.value_or(Parameter{.type = "rgb", .where = d.where, .numbers = {1, 1, 1}});
     tex.name = "tex";
     if (tex.type == "float") tex.type = "rgb", tex.numbers.resize(3, tex.numbers.empty() ? 1 : tex.numbers[0]);
