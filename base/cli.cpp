@@ -228,10 +228,12 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     program_name() = app.get_name();
     occupy_closed_streams();
     std::atexit(flush_stdout_at_exit);
-    reserve = std::make_unique<char[]>(64 << 10);
     std::set_terminate(end_with_exception);
+    reserve = std::make_unique<char[]>(8 << 20);  // enough for what follows: a global_control that finds no memory waits for ever
+    reserve.reset();
     // Else oneTBB would go on waiting for tasks that were lost for want of memory.
     static const tbb::global_control ends_too(tbb::global_control::terminate_on_exception, 1);
+    reserve = std::make_unique<char[]>(64 << 10);
 #ifdef NDEBUG
     std::signal(SIGABRT, end_with_abort);
 #endif

@@ -11,6 +11,7 @@
 #include "base/stopwatch.h"
 #include "render/program/forecast.h"
 #include "render/program/report.h"
+#include "sampledb/data/grain.h"
 
 namespace latent::render {
 
@@ -41,7 +42,7 @@ Result<UntilNoiseReport> render_until(RenderJob& job, RenderSettings settings, R
     UntilNoiseReport report;
     while (true) {
         report.noise.reset();
-        job.range.end = std::min(end, all.end);
+        job.range.end = std::min((end + sampledb::kGrainSamples - 1) / sampledb::kGrainSamples * sampledb::kGrainSamples, all.end);
         settings.spp = static_cast<double>(job.range.size()) / pixels;
         options.provenance_json = provenance(job, settings, all.size() - missing->size());
         if (max_seconds > 0) options.max_seconds = std::max(max_seconds - report.render.seconds - report.measuring_seconds, 1e-3);

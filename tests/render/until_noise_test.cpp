@@ -65,6 +65,7 @@ TEST_F(UntilNoiseTest, EndsWhereTheTargetIsMetAndNoFurtherThanNeeded) {
     const json report = json::parse(outcome.out);
     EXPECT_EQ(report["complete"], true);
     EXPECT_EQ(report["noise"]["reached"], true);
+    EXPECT_EQ(report["samples_rendered"], report["end_sample"]);  // none twice
     EXPECT_LE(report["noise"]["median"], 0.01);
     const std::uint64_t samples = report["end_sample"];
     ASSERT_GT(samples, 32u * 64 * 64) << "there is a second round";
