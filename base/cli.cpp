@@ -229,7 +229,8 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     occupy_closed_streams();
     std::atexit(flush_stdout_at_exit);
     std::set_terminate(end_with_exception);
-    reserve = std::make_unique<char[]>(8 << 20);  // enough for what follows: a global_control that finds no memory waits for ever
+    reserve = std::make_unique_for_overwrite<char[]>(
+        8 << 20);  // enough for what follows: a global_control that finds no memory waits for ever
     reserve.reset();
     // Else oneTBB would go on waiting for tasks that were lost for want of memory.
     static const tbb::global_control ends_too(tbb::global_control::terminate_on_exception, 1);

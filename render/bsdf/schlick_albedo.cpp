@@ -41,7 +41,8 @@ struct NodeParts {
         const float t = x - static_cast<float>(j), before = t + 1, after = t - 1, far = t - 2;
         const float weights[] = {-t * after * far / 6, before * after * far / 2, -before * t * far / 2, before * t * after / 6};
         NodeParts out;
-        for (int k = 0; k < 4; ++k) out.sum.weight[static_cast<std::size_t>(j - 1 + k)] = weights[k];
+        const auto first = out.sum.weight.begin() + j - 1;
+        std::copy(std::begin(weights), std::end(weights), first);
         return out;
     }
 };

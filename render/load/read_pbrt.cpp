@@ -65,7 +65,7 @@ class PbrtLoader {
         DirectiveReader reader(*text, index->second, is_v3_);
         bool begun = false;  // there was a directive
         while (!stopped_) {
-            const auto directive = reader.next();
+            auto directive = reader.next();
             if (!begun && !(directive && *directive)) {
                 const std::string_view format = foreign_format(*text);
                 if (!format.empty() || (directive && depth == 0)) return not_pbrt(path, format);

@@ -278,7 +278,7 @@ class GltfLoader {
             still(node, "what is mirrored, or shrinks to nothing,");
             placed.end.reset();
         }
-        placements_.push_back(std::move(placed));
+        placements_.push_back(placed);
     }
 
     // Each from the space of the mesh to that of the node.

@@ -327,11 +327,15 @@ void from_exponent(std::byte* item) {
 // Colours as luma and two differences.
 template <class T>
 void from_luma(std::byte* item) {
-    using Signed = std::make_signed_t<T>;
+    const auto difference = [item](std::size_t i) {  // in two's complement
+        constexpr int kSize = std::numeric_limits<T>::max() + 1;
+        const int value = component<T>(item, i);
+        return value < kSize / 2 ? value : value - kSize;
+    };
     const unsigned alpha = component<T>(item, 3);
     const auto all = static_cast<int>(std::bit_floor(alpha) * 2) - 1;  // of K bits
     if (all <= 0) return;
-    const int y = component<T>(item, 0), co = component<Signed>(item, 1), cg = component<Signed>(item, 2);
+    const int y = component<T>(item, 0), co = difference(1), cg = difference(2);
     const int a = static_cast<int>(alpha) & (all >> 1);
     const float scale = static_cast<float>(std::numeric_limits<T>::max()) / static_cast<float>(all);
     const int rgba[] = {y + co - cg, y + cg, y - co - cg, 2 * a | (a & 1)};

@@ -5,7 +5,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <cstring>
 #include <utility>
 
 #include "base/first_error.h"
@@ -30,6 +32,16 @@ std::span<T> take(std::span<std::byte>& memory, std::size_t count) {
     T* const array = reinterpret_cast<T*>(memory.data());
     memory = memory.subspan(bytes);
     return {array, count};
+}
+
+template <std::size_t kStride>  // if it is known; else 0
+bool is_zero(const float* row, std::size_t stride) {
+    if constexpr (kStride == 4) {
+        std::array<std::uint64_t, 2> bits;
+        std::memcpy(bits.data(), row, sizeof bits);
+        return ((bits[0] | bits[1]) & 0x7FFFFFFF7FFFFFFF) == 0;  // whatever the signs
+    }
+    return std::all_of(row, row + stride, [](float value) { return value == 0; });
 }
 
 bool contains(const PixelRect& cells, std::int64_t x, std::int64_t y) {
@@ -306,7 +318,7 @@ std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uin
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
         const float* const row = values + i * stride;
-        if (std::all_of(row, row + stride, [](float value) { return value == 0; })) continue;
+        if (is_zero<kStride>(row, stride)) continue;
         x[kept] = x[i], y[kept] = y[i];
         if (kept < i) std::copy_n(row, stride, values + kept * stride);
         ++kept;

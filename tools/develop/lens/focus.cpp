@@ -22,9 +22,12 @@ constexpr std::size_t kEnoughRecords = 256;  // for a median
 
 Result<Focus> parse_focus(std::string_view text) {
     if (text == "infinity") return Focus{std::numeric_limits<double>::infinity()};
-    const auto numbers = parse_numbers(text);
+    const bool is_plain = text.find_first_not_of("0123456789.eE+-,") == std::string_view::npos;  // 5m are not five millions
+    const auto numbers = is_plain ? parse_numbers(text) : std::nullopt;
     if (numbers && numbers->size() == 1 && (*numbers)[0] > 0) return Focus{(*numbers)[0]};
-    if (numbers && numbers->size() == 2) return Focus{0, std::array{(*numbers)[0], (*numbers)[1]}};
+    const auto is_whole = [](double x) { return x == std::floor(x); };
+    if (numbers && numbers->size() == 2 && std::ranges::all_of(*numbers, is_whole))
+        return Focus{0, std::array{(*numbers)[0], (*numbers)[1]}};
     return is_not(text, "a distance above 0, or a pixel (try 4.5, infinity, or 120,80)");
 }
 

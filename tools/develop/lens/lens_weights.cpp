@@ -11,7 +11,6 @@ namespace latent::develop {
 namespace {
 
 constexpr int kTimes = 256;
-constexpr std::size_t kMeansAcross = 33;  // points of the film, from border to border
 
 // Mean weight, and the mean of its square.
 struct Moments {
@@ -25,10 +24,9 @@ float fraction_of(std::uint32_t position) { return static_cast<float>(position) 
 // The share of a cell, whose middle has this square of the distance from the middle of a rim, that lies within; the edge counts as
 // straight within a cell.
 float within_rim(float square) {
-    constexpr float kPerCell = kLensCells / 2.0f, kInside = 1 - 0.5f / kPerCell, kOutside = 1 + 0.5f / kPerCell;
-    if (square <= kInside * kInside) return 1;
-    if (square >= kOutside * kOutside) return 0;
-    return std::clamp((1 - std::sqrt(square)) * kPerCell + 0.5f, 0.0f, 1.0f);
+    constexpr float kPerCell = kLensCells / 2.0f;
+    const float share = (1 - std::sqrt(square)) * kPerCell + 0.5f;
+    return std::min(std::max(share, 0.0f), 1.0f);
 }
 
 }  // namespace
@@ -107,11 +105,12 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
 }
 
 void LensWeights::set_means(const RowSums& square_sums, double disk) {
-    const std::size_t across = rim_u_ != 0 ? kMeansAcross : 1;
-    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / (kMeansAcross - 1) : 0.5f; };
+    const std::size_t across = rim_u_ != 0 ? kPatches + 1 : 1;
+    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / kPatches : 0.5f; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
-        return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / (kMeansAcross - 1);
+        return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / kPatches;
     };
+    std::vector<float> means;  // at the corners of the patches
     double mean = 0, kept = 0;
     for (std::size_t j = 0; j < across; ++j) {
         std::array<double, kLensCells> chords{};
@@ -124,7 +123,7 @@ void LensWeights::set_means(const RowSums& square_sums, double disk) {
                 here.square += square_sums.between(row, begin, end);
             }
             here.mean /= disk, here.square /= disk;
-            means_.push_back(static_cast<float>(here.mean));
+            means.push_back(static_cast<float>(here.mean));
             const double area = share(i) * share(j);
             mean += area * here.mean;
             kept += area * here.kept();
@@ -132,6 +131,14 @@ void LensWeights::set_means(const RowSums& square_sums, double disk) {
     }
     mean_ *= mean;
     kept_ *= kept;
+    constexpr std::size_t kSide = kPatches;
+    for (std::size_t j = 0; j < kSide; ++j) {
+        for (std::size_t i = 0; i < kSide; ++i) {
+            const auto at = [&](std::size_t x, std::size_t y) { return means[across == 1 ? 0 : y * (kSide + 1) + x]; };
+            const float corner = at(i, j), right = at(i + 1, j) - corner, down = at(i, j + 1) - corner;
+            patches_.push_back({corner, right, down, at(i + 1, j + 1) - corner - right - down});
+        }
+    }
 }
 
 void LensWeights::set_focus(const std::array<double, 2>& film_shift) {
@@ -164,17 +171,24 @@ std::array<double, 2> LensWeights::in_rear_rim(double half_chord, float u) const
             std::clamp((x + half_chord + 1) * kPerCell, 0.0, double{kLensCells})};
 }
 
-// The mean weight of records at (u, v).
-float LensWeights::mean_at(float u, float v) const {
-    if (means_.empty()) return time_mean_;
-    if (means_.size() == 1) return means_[0] * time_mean_;
-    const float x = u * (kMeansAcross - 1), y = v * (kMeansAcross - 1);
-    const std::size_t i = std::min(static_cast<std::size_t>(x), kMeansAcross - 2),
-                      j = std::min(static_cast<std::size_t>(y), kMeansAcross - 2);
-    const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-    const float* const upper = means_.data() + j * kMeansAcross + i;
-    const float* const lower = upper + kMeansAcross;
-    return ((upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy) * time_mean_;
+// The mean weight of records at the places of those of a page.
+void LensWeights::means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const {
+    if (patches_.empty()) {
+        std::ranges::fill(means, time_mean_);
+        return;
+    }
+    constexpr float kPatchesPerUnit = kPatches * 0x1p-32f;
+    const Patch* const patches = patches_.data();
+    const std::uint32_t* const u = page.u.data() + begin;
+    const std::uint32_t* const v = page.v.data() + begin;
+    for (std::size_t k = 0; k < means.size(); ++k) {
+        constexpr int kBits = 32 - kPatchBits;
+        const Patch& p = patches[v[k] >> kBits << kPatchBits | u[k] >> kBits];
+        constexpr std::uint32_t kWithin = (std::uint32_t{1} << kBits) - 1;
+        const float right = static_cast<float>(static_cast<std::int32_t>(u[k] & kWithin)) * kPatchesPerUnit,
+                    down = static_cast<float>(static_cast<std::int32_t>(v[k] & kWithin)) * kPatchesPerUnit;
+        means[k] = (p.corner + right * p.right + down * (p.down + right * p.both)) * time_mean_;
+    }
 }
 
 // A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
@@ -226,18 +240,32 @@ float LensWeights::open(std::size_t time, double v) const {
 
 void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
     const LeadingBytes columns(page.extra[(*lens_columns_)[0]]), rows(page.extra[(*lens_columns_)[1]]);
-    const bool has_rims = rim_u_ != 0;
+    if (rim_u_ == 0) {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[rows[begin + i] * kLensCells + columns[begin + i]];
+        return;
+    }
     // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
     constexpr float kCell = 2.0f / kLensCells;
     const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-32f,
                 per_v = rim_v_ * 0x1p-32f;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const std::size_t x = columns[begin + i], y = rows[begin + i];
-        weights[i] = cells_[y * kLensCells + x];
-        if (!has_rims) continue;
-        const float dx = static_cast<float>(static_cast<int>(x)) * kCell + from_x - static_cast<float>(page.u[begin + i]) * per_u,
-                    dy = static_cast<float>(static_cast<int>(y)) * kCell + from_y - static_cast<float>(page.v[begin + i]) * per_v;
-        weights[i] *= within_rim(dx * dx + dy * dy);
+    // In steps that compilers turn into vectors.
+    constexpr std::size_t kAtOnce = 256;
+    std::array<std::int32_t, kAtOnce> x{}, y{};
+    std::array<float, kAtOnce> u{}, v{};
+    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
+        float* const out = weights.data() + done;
+        for (std::size_t i = 0; i < count; ++i) {
+            x[i] = static_cast<std::int32_t>(columns[first + i]), y[i] = static_cast<std::int32_t>(rows[first + i]);
+            u[i] = static_cast<float>(page.u[first + i]), v[i] = static_cast<float>(page.v[first + i]);
+            out[i] = cells_[static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i])];
+        }
+        for (std::size_t i = 0; i < kAtOnce; ++i) {
+            const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * per_u,
+                        dy = static_cast<float>(y[i]) * kCell + from_y - v[i] * per_v;
+            u[i] = within_rim(dx * dx + dy * dy);
+        }
+        for (std::size_t i = 0; i < count; ++i) out[i] *= u[i];
     }
 }
 
@@ -252,22 +280,29 @@ void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin,
 
 // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
 void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const {
-    out.share.assign(end - begin, 1.0f);
-    if (!cells_.empty()) through_lens(page, begin, out.share);
+    out.share.resize(end - begin);
+    if (cells_.empty()) {
+        std::ranges::fill(out.share, 1.0f);
+    } else {
+        through_lens(page, begin, out.share);
+    }
     if (time_column_) through_shutter(page, begin, out.share);
     out.value = out.share;
-    const auto scale = [&](const auto& scale_at) {
+    const bool is_camera = page.record_class == sampledb::RecordClass::kCamera;
+    if (is_camera == follows_) {
+        out.mean.resize(end - begin);
+        means_at(page, begin, out.mean);
         for (std::size_t i = 0; i < out.value.size(); ++i) {
-            if (out.value[i] > 0) out.value[i] *= scale_at(fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]));
+            if (is_camera) out.value[i] *= out.mean[i];
+            if (!is_camera && out.value[i] > 0) out.value[i] /= out.mean[i];
         }
-    };
-    if (page.record_class == sampledb::RecordClass::kCamera) {
-        if (follows_) scale([this](float u, float v) { return mean_at(u, v); });
-        return;
     }
+    if (is_camera) return;
     std::ranges::fill(out.share, 0.0f);
-    if (!follows_) scale([this](float u, float v) { return 1 / mean_at(u, v); });
-    if (moves_records() && !light_.empty()) scale([this](float u, float v) { return 1 / share_on_film(u, v); });
+    if (!moves_records() || light_.empty()) return;
+    for (std::size_t i = 0; i < out.value.size(); ++i) {
+        if (out.value[i] > 0) out.value[i] /= share_on_film(fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]));
+    }
 }
 
 }  // namespace latent::develop

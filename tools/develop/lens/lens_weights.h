@@ -62,6 +62,7 @@ class LensWeights {
     // What the values and the shares of rows are multiplied by; the share of a light record is 0.
     struct Factors {
         std::vector<float> value, share;
+        std::vector<float> mean;  // for their making
     };
     void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const;
 
@@ -95,7 +96,7 @@ class LensWeights {
     void set_means(const RowSums& square_sums, double disk);
     void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
-    float mean_at(float u, float v) const;
+    void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
     float share_on_film(float u, float v) const;
     double half_chord(std::size_t row, float v) const;
     std::array<double, 2> in_rear_rim(double half_chord, float u) const;
@@ -107,7 +108,13 @@ class LensWeights {
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
     std::vector<float> cells_{};                                // transmission; none: of the whole lens
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
-    std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
+    // The mean over the lens, on kPatches x kPatches patches of the film: at a corner, and what is added to the right of it, below
+    // it, and in both directions.
+    static constexpr int kPatchBits = 5, kPatches = 1 << kPatchBits;
+    struct Patch {
+        float corner, right, down, both;
+    };
+    std::vector<Patch> patches_{};  // none: 1
 
     RowSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 

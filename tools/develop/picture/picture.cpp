@@ -42,6 +42,12 @@ std::vector<std::string> spectral_channel_names(const SpectralBins& bins) {
     return names;
 }
 
+std::string lens_text(const PictureOptions& options) {
+    const std::string chosen = options.lens.text();
+    if (!options.focus) return chosen;
+    return fmt::format("{}{}focus {:.6g}", chosen, chosen.empty() ? "" : "; ", options.focus->distance);
+}
+
 image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& report, const sampledb::Job& job,
                             const ChosenObserver& chosen, const RowLayout& layout) {
     image::ExrTileSpec spec;
@@ -54,7 +60,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
     if (options.dim_fireflies) spec.strings.push_back({"latentFireflies", "dimmed"});
-    if (!options.lens.is_whole()) spec.strings.push_back({"latentLens", options.lens.text()});
+    if (!options.lens.is_whole()) spec.strings.push_back({"latentLens", lens_text(options)});
     if (options.ratio) spec.strings.push_back({"latentEstimator", "ratio"});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
