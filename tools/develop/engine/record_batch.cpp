@@ -316,11 +316,12 @@ template <std::size_t kStride>
 std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const {
     const std::size_t stride = kStride > 0 ? kStride : stride_;
     std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {
+    while (kept < count && !is_zero<kStride>(values + kept * stride, stride)) ++kept;
+    for (std::uint32_t i = kept; i < count; ++i) {
         const float* const row = values + i * stride;
         if (is_zero<kStride>(row, stride)) continue;
         x[kept] = x[i], y[kept] = y[i];
-        if (kept < i) std::copy_n(row, stride, values + kept * stride);
+        std::copy_n(row, stride, values + kept * stride);
         ++kept;
     }
     return kept;

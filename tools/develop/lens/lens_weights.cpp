@@ -233,9 +233,11 @@ void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
 // The mean transmission over 1/256 of the exposure, for a row of the picture at v.
 float LensWeights::open(std::size_t time, double v) const {
     const double begins = frame_ + v * rolling_, takes = 1 - rolling_;
-    const auto passed = [&](int at) { return curve_->until((at * frames_ / kTimes - begins) / takes); };
+    const auto moment = [&](int at) { return (at * frames_ / kTimes - begins) / takes; };  // 0 to 1: while the row is exposed
     const int at = static_cast<int>(time);
-    return static_cast<float>((passed(at + 1) - passed(at)) * takes / frames_ * kTimes);
+    const double from = moment(at), to = moment(at + 1);
+    if (to <= 0 || from >= 1) return 0;
+    return static_cast<float>((curve_->until(to) - curve_->until(from)) * takes / frames_ * kTimes);
 }
 
 void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
