@@ -38,6 +38,9 @@ class Library(unittest.TestCase):
         u, v = random.random(N), random.random(N)
         with latent.Writer("seen.latent", job_id="1" * 32, samples=(0, N), extra={"depth": "f4", "gloss": "f4"}) as part:
             part.write(sample=np.arange(N), u=u, v=v, x=u, y=u, z=u, extra={"depth": u, "gloss": v})
+        lens = {name: random.integers(0, 256, N).astype(np.uint8) for name in ("lens.x", "lens.y", "shutter")}
+        with latent.Writer("portrait.latent", job_id="2" * 32, samples=(0, N), extra=dict.fromkeys(lens, "u1")) as part:
+            part.write(sample=np.arange(N), u=u, v=v, x=u, y=u, z=u, extra=lens)
 
     def test_every_piece_of_python_runs(self):
         pieces = re.findall("^```python\n(.*?)^```", pathlib.Path(PAGE).read_text(), re.MULTILINE | re.DOTALL)
