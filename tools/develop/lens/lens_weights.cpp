@@ -31,22 +31,25 @@ float within_rim(float square) {
 
 }  // namespace
 
-RowSums::RowSums(const std::vector<double>& values) {
-    before_.reserve(kLensCells * (kLensCells + 1) + 1);
+LensSums::LensSums(const std::vector<double>& values) : above_((kLensCells + 1) * kStride) {
     for (std::size_t row = 0; row < kLensCells; ++row) {
-        before_.push_back(0);
-        for (std::size_t x = 0; x < kLensCells; ++x) before_.push_back(before_.back() + values[row * kLensCells + x]);
+        double left = 0;
+        for (std::size_t x = 0; x < kLensCells; ++x) {
+            left += values[row * kLensCells + x];
+            above_[(row + 1) * kStride + x + 1] = above_[row * kStride + x + 1] + left;
+        }
     }
-    before_.push_back(0);
 }
 
-double RowSums::between(std::size_t row, double begin, double end) const {
-    const auto before = [&](double x) {
+double LensSums::rows_between(std::size_t first, std::size_t last, double begin, double end) const {
+    const double* const top = above_.data() + first * kStride;
+    const double* const bottom = above_.data() + last * kStride;
+    const auto left_of = [&](double x) {
         const int border = static_cast<int>(x);
-        const double* const at = before_.data() + row * (kLensCells + 1) + border;
-        return at[0] + (x - border) * (at[1] - at[0]);
+        const double here = bottom[border] - top[border], next = bottom[border + 1] - top[border + 1];
+        return here + (x - border) * (next - here);
     };
-    return before(end) - before(begin);
+    return left_of(end) - left_of(begin);
 }
 
 std::string LensChoice::text() const {
@@ -95,16 +98,16 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
         squares.push_back(weight * weight * area);
         leaves_out_ = leaves_out_ || (area > 0 && weight == 0);
     }
-    light_ = RowSums(passing);
+    light_ = LensSums(passing);
     leaves_out_ = leaves_out_ || aperture.cat_eye > 0;
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
     if (!aperture.is_whole()) cells_ = cells.transmission;
-    set_means(RowSums(squares), disk);
+    set_means(LensSums(squares), disk);
 }
 
-void LensWeights::set_means(const RowSums& square_sums, double disk) {
+void LensWeights::set_means(const LensSums& square_sums, double disk) {
     const std::size_t across = rim_u_ != 0 ? kPatches + 1 : 1;
     const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / kPatches : 0.5f; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
@@ -114,13 +117,13 @@ void LensWeights::set_means(const RowSums& square_sums, double disk) {
     double mean = 0, kept = 0;
     for (std::size_t j = 0; j < across; ++j) {
         std::array<double, kLensCells> chords{};
-        for (std::size_t row = 0; row < kLensCells; ++row) chords[row] = half_chord(row, place(j));
+        for (std::size_t row = 0; row < kLensCells; ++row) chords[row] = half_chord(middle_of_cell(row), place(j));
         for (std::size_t i = 0; i < across; ++i) {
             Moments here;
             for (std::size_t row = 0; row < kLensCells; ++row) {
                 const auto [begin, end] = in_rear_rim(chords[row], place(i));
-                here.mean += light_.between(row, begin, end);
-                here.square += square_sums.between(row, begin, end);
+                here.mean += light_.rows_between(row, row + 1, begin, end);
+                here.square += square_sums.rows_between(row, row + 1, begin, end);
             }
             here.mean /= disk, here.square /= disk;
             means.push_back(static_cast<float>(here.mean));
@@ -157,11 +160,11 @@ sampledb::ExtraSet LensWeights::columns() const {
     return columns;
 }
 
-// Of a row of cells: half of the rear rim's chord, and from where to where it lets light pass. That rim is the unit circle moved
+// Half of the rear rim's chord at y on the lens, and from where to where it lets light pass there. That rim is the unit circle moved
 // towards the centre of the picture's other side.
-double LensWeights::half_chord(std::size_t row, float v) const {
+double LensWeights::half_chord(double y_on_lens, float v) const {
     if (rim_v_ == 0) return 2;  // as wide as the lens everywhere
-    const double y = middle_of_cell(row) - static_cast<double>((v - 0.5f) * rim_v_);
+    const double y = y_on_lens - static_cast<double>((v - 0.5f) * rim_v_);
     return std::sqrt(std::max(0.0, 1 - y * y));
 }
 std::array<double, 2> LensWeights::in_rear_rim(double half_chord, float u) const {
@@ -204,14 +207,23 @@ float LensWeights::share_on_film(float u, float v) const {
     const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
     const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
     if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
-    double all = 0, seen = 0;
-    for (std::size_t row = 0; row < kLensCells; ++row) {
-        const auto [begin, end] = in_rear_rim(half_chord(row, v), u);
-        all += light_.between(row, begin, end);
-        const double first = std::max(begin, x0), last = std::min(end, x1), y = static_cast<double>(row);
-        if (y >= y0 && y < y1 && first < last) seen += light_.between(row, first, last);
+    const auto first = static_cast<std::size_t>(y0), last = static_cast<std::size_t>(y1);
+    const double seen = light_between(first, last, x0, x1, u, v);
+    return seen > 0 ? static_cast<float>(seen / light_between(0, kLensCells, 0, kLensCells, u, v)) : 1.0f;
+}
+
+// The light of a record at (u, v) through a rectangle of cells.
+double LensWeights::light_between(std::size_t first, std::size_t last, double begin, double end, float u, float v) const {
+    if (rim_u_ == 0) return light_.rows_between(first, last, begin, end);
+    constexpr std::size_t kRows = 8;  // at once: their chords differ little
+    double light = 0;
+    for (std::size_t row = first; row < last; row += kRows) {
+        const std::size_t next = std::min(row + kRows, last);
+        const auto [left, right] = in_rear_rim(half_chord((middle_of_cell(row) + middle_of_cell(next - 1)) / 2, v), u);
+        const double from = std::max(left, begin), to = std::min(right, end);
+        if (from < to) light += light_.rows_between(row, next, from, to);
     }
-    return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
+    return light;
 }
 
 void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {

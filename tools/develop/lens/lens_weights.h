@@ -32,17 +32,18 @@ struct LensChoice {
     std::string text() const;  // "aperture 0.35; shutter 0.2:0.5"
 };
 
-// Sums of a value of each cell of the lens, along its rows.
-class RowSums {
+// Sums of a value over cells of the lens.
+class LensSums {
  public:
-    RowSums() = default;
-    explicit RowSums(const std::vector<double>& values);  // kLensCells * kLensCells
-    bool empty() const { return before_.empty(); }
-    // Of a row from one place to another, in cells; of a cell in part, that part.
-    double between(std::size_t row, double begin, double end) const;
+    LensSums() = default;
+    explicit LensSums(const std::vector<double>& values);  // kLensCells * kLensCells
+    bool empty() const { return above_.empty(); }
+    // Over the rows from first to before last, from one place to another, in cells; of a cell in part, that part.
+    double rows_between(std::size_t first, std::size_t last, double begin, double end) const;
 
  private:
-    std::vector<double> before_{};  // each border of cells
+    static constexpr std::size_t kStride = kLensCells + 2;  // one more border, which a place at the end reads
+    std::vector<double> above_{};                           // of each corner of cells: above it, and to its left
 };
 
 // A record's weight is the transmission of the aperture in its cell of the lens, times that of the shutter in its 1/256 of the
@@ -93,12 +94,13 @@ class LensWeights {
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
     void set_focus(const std::array<double, 2>& film_shift);
     void set_shutter(const Shutter& shutter, ShutterCurve curve);
-    void set_means(const RowSums& square_sums, double disk);
+    void set_means(const LensSums& square_sums, double disk);
     void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
     float share_on_film(float u, float v) const;
-    double half_chord(std::size_t row, float v) const;
+    double light_between(std::size_t first, std::size_t last, double begin, double end, float u, float v) const;
+    double half_chord(double y_on_lens, float v) const;
     std::array<double, 2> in_rear_rim(double half_chord, float u) const;
     float open(std::size_t time, double v) const;
 
@@ -116,7 +118,7 @@ class LensWeights {
     };
     std::vector<Patch> patches_{};  // none: 1
 
-    RowSums light_{};  // through cells; none: of the whole lens, in jobs without light records
+    LensSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 
     std::array<double, 2> film_shift_{};
     std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
