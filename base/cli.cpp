@@ -135,6 +135,13 @@ constexpr ForeignOption kForeignOptions[] = {
     {"--height", "the size in pixels is latent-develop --size, or latent-render --resolution"},
     {"--res", "the size in pixels is latent-develop --size, or latent-render --resolution"},
     {"--samples-per-pixel", "that is latent-render --spp"},
+    {"--f-number", "that is latent-develop --aperture f:8"},
+    {"--fstop", "that is latent-develop --aperture f:8"},
+    {"--blades", "blades are latent-develop --aperture blades:6"},
+    {"--apodise", "soft openings are latent-develop --aperture gaussian"},
+    {"--anamorphic", "that is latent-develop --aperture anamorphic:1.33"},
+    {"--cat-eye", "that is latent-develop --aperture cat-eye:0.5"},
+    {"--shutter-curve", "that is latent-develop --shutter soft, film, or a CSV file"},
 };
 
 // Where a command is needed, and the first argument is none.

@@ -160,8 +160,8 @@ sampledb::ExtraSet LensWeights::columns() const {
     return columns;
 }
 
-// Half of the rear rim's chord at y on the lens, and from where to where it lets light pass there. That rim is the unit circle moved
-// towards the centre of the picture's other side.
+// Half of the rear rim's chord at y on the lens, and from where to where it lets light pass there. That rim is the unit circle
+// moved towards the centre of the picture's other side.
 double LensWeights::half_chord(double y_on_lens, float v) const {
     if (rim_v_ == 0) return 2;  // as wide as the lens everywhere
     const double y = y_on_lens - static_cast<double>((v - 0.5f) * rim_v_);
