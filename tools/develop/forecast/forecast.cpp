@@ -114,8 +114,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     constexpr double kSeconds = 1.4, kDecodeSeconds = 0.6, kEnough = 0.25;
     constexpr double kSmall = 1 << 16;  // pixels
     constexpr double kMinBytes = 1 << 22;
-    constexpr double kPages = 36.0 * (1 << 16);                 // bytes of so many pages that few of them reach beyond a piece
-    constexpr double kMinPiece = 1 << 19, kMaxPiece = 1 << 24;  // pixels
+    constexpr double kMinPixels = 1 << 19, kMaxPixels = 1 << 24;
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
     const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
@@ -129,31 +128,36 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
         return Tried{static_cast<double>(tried->decoded), tried->cost};
     };
     const double least = std::min(kMinBytes, run);
-    if (const Result<Tried> once = decode(least / 16); !once) return once.error();  // what is done once in a process is not counted
+    const Result<Tried> first = decode(least / 16);
+    if (!first) return first.error();
     const Result<LinearCost> bytes = measure(kDecodeSeconds, least, decoded, kEnough, decode);
     if (!bytes) return bytes.error();
+    const Cost once = at_least(first->cost - bytes->of(first->amount), {});  // done once in a process
     TrialOutcome out = last;
-    out.cost = bytes->of(decoded);
+    out.cost = once + bytes->of(decoded);
     if (small.width == picture.width) return out;
 
-    const double affordable = kEnough / 6 / std::max(bytes->each.cpu, 1e-12);  // bytes, in the least piece
-    TrialPicture piece = picture;
-    piece.runs = static_cast<std::size_t>(std::clamp(affordable / kPages, 1.0, static_cast<double>(picture.runs)));
-    const double bytes_of_pixel = run * static_cast<double>(piece.runs) / area(picture.crop);
-    const double most = std::min(kMaxPiece, area(picture.crop) / 4);
-    const double min_piece = std::clamp(affordable / bytes_of_pixel, 1.0, kMinPiece);
+    // As many pixels as there may be time for, from so many runs that these give each pixel as many bytes as all give it in the
+    // end: emptier pixels would compress faster, and fuller ones take longer.
+    const double pixels_in_all = area(picture.crop);
+    const double affordable = std::clamp(kEnough / std::max(bytes->each.cpu, 1e-12) / decoded * pixels_in_all, 1.0, kMaxPixels);
+    const auto runs = static_cast<double>(picture.runs);
+    const double share = std::clamp(std::ceil(affordable / pixels_in_all * runs), 1.0, runs) / runs;
+    TrialPicture part = scaled_to(picture, pixels_in_all * share);
+    part.runs = static_cast<std::size_t>(std::round(share * runs));
+    const Trial develop = [&, whole = part.crop](double amount) -> Result<Tried> {
+        part.crop = piece_of(whole, amount);
+        const Result<TrialOutcome> tried = trial(part);
+        if (!tried) return tried.error();
+        last = *tried;
+        return Tried{area(part.crop), tried->cost};
+    };
     const Result<LinearCost> pixels =
-        measure(kSeconds - bytes->spent.wall, min_piece, most, kEnough, [&](double amount) -> Result<Tried> {
-            piece.crop = piece_of(picture.crop, amount);
-            const Result<TrialOutcome> tried = trial(piece);
-            if (!tried) return tried.error();
-            last = *tried;
-            return Tried{area(piece.crop), tried->cost};
-        });
+        measure(kSeconds - bytes->spent.wall, std::min(affordable / 4, kMinPixels), area(part.crop), kEnough, develop);
     if (!pixels) return pixels.error();
-    const double times = area(picture.crop) / area(piece.crop);
+    const double times = pixels_in_all / area(part.crop);
     const double beyond = decoded - static_cast<double>(last.decoded) * times;  // bytes that pieces had no share in, or had twice
-    out.cost = at_least(pixels->of(area(picture.crop)) + bytes->each * beyond, {});
+    out.cost = once + at_least(pixels->of(pixels_in_all) + bytes->each * beyond, {});
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

@@ -446,6 +446,7 @@ class TimedPicture final : public PictureSink {
 }  // namespace
 
 Result<Forecast> forecast_picture(const PictureOptions& given) {
+    const CostMeter preparing;
     if (Status s = set_simd_level(given.simd); !s) return s.error();
     const sampledb::RunSetOptions selection = run_set_options(given, sampledb::VerifyLevel::kHeaders);
     const auto opened = sampledb::RunSet::open(selection);
@@ -476,6 +477,7 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     Result<double> decoded = 0.0;
     Threads(asked.threads).run([&] { decoded = planned_bytes(wanted, whole->channels, whole->settings); });
     if (!decoded) return decoded.error();
+    const Cost prepared = preparing.so_far();
 
     const PictureTrial trial = [&](const TrialPicture& picture) -> Result<TrialOutcome> {
         PictureOptions options = asked;
@@ -496,10 +498,11 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs};
     const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
     if (!expected) return expected.error();
+    const Cost cost = prepared + expected->cost;
     const int threads = Threads::count_of(asked.threads);
-    const double developing = seconds_with(expected->cost, threads, processor_share(threads));
+    const double developing = seconds_with(cost, threads, processor_share(threads));
     forecast.seconds = developing + seconds_to_reach_disk(forecast.file_bytes, folder_of(asked.output));
-    forecast.cpu_seconds = expected->cost.cpu;
+    forecast.cpu_seconds = cost.cpu;
     forecast.temporary_bytes = expected->temporary_bytes;
     return forecast;
 }
