@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "base/parse.h"
 #include "base/progress.h"
 #include "base/result.h"
 
@@ -55,6 +56,15 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, Value& value, Pa
         value = static_cast<Value>(*std::move(parsed));
     };
     return app.add_option_function<std::string>(name, take, help);
+}
+
+// --crop: pixels of a rectangle, whose members are x0, y0, x1, y1.
+template <class Rect>
+void add_crop(CLI::App& app, std::optional<Rect>& crop, const std::string& help) {
+    const auto parse = [](const std::string& text) {
+        return parse_crop(text).map([](const auto& c) { return Rect{c[0], c[1], c[2], c[3]}; });
+    };
+    add_parsed(app, "--crop", crop, parse, help)->type_name("X0,Y0,X1,Y1");
 }
 
 // Options of one grammar, base/parse.h: a count within bounds, a real number within bounds, bytes ("512M"), seconds ("10m").

@@ -168,10 +168,7 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     app.add_flag_callback(
            "--no-dither", [&options] { options.dither = color::Dither::kNone; }, "the same as --dither none")
         ->excludes(dither);
-    const auto crop = [](const std::string& text) {
-        return parse_crop(text).map([](const auto& c) { return image::Rect{c[0], c[1], c[2], c[3]}; });
-    };
-    cli::add_parsed(app, "--crop", options.crop, crop, "pixels to print, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
+    cli::add_crop(app, options.crop, "pixels to print, X1 and Y1 exclusive");
     cli::add_count(app, "--level", options.level, "mip level to read; each is half the size of the one before", 0, 31);
     auto* dpi = cli::add_count(app, "--dpi", options.dpi,
                                "pixels per inch on paper, stored in TIFF, PNG, JPEG and EXR; does not change pixels", 1, 65535);

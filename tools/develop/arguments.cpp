@@ -153,10 +153,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     app.add_option("--size", options.size,
                    "size of the whole picture in pixels; W alone keeps the film's aspect (default: what the file was rendered for)")
         ->type_name("W|WxH");
-    const auto crop = [](const std::string& text) {
-        return parse_crop(text).map([](const auto& c) { return PixelRect{c[0], c[1], c[2], c[3]}; });
-    };
-    cli::add_parsed(app, "--crop", options.crop, crop, "pixels to develop, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
+    cli::add_crop(app, options.crop, "pixels to develop, X1 and Y1 exclusive");
     app.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
     const std::vector<CLI::Option*> observer = add_observer(app, options.observer);
     app.add_option("--light", options.lights,

@@ -65,11 +65,7 @@ void add_noise_options(CLI::App& noise, NoiseOptions& options) {
             "--size", picture.size,
             "size of the whole picture in pixels; W alone keeps the film's aspect (default: what the file was rendered for)")
         ->type_name("W|WxH");
-    const auto crop = [](const std::string& text) {
-        return parse_crop(text).map([](const auto& c) { return develop::PixelRect{c[0], c[1], c[2], c[3]}; });
-    };
-    cli::add_parsed(noise, "--crop", picture.crop, crop, "pixels to look at, X1 and Y1 exclusive (default: all)")
-        ->type_name("X0,Y0,X1,Y1");
+    cli::add_crop(noise, picture.crop, "pixels to look at, X1 and Y1 exclusive (default: all)");
     noise.add_option("--observer", picture.observer.name, "observer or camera that sees the picture, as for latent-develop")
         ->type_name("NAME|FILE.csv");
     cli::add_parsed(noise, "--samples", picture.samples, parse_sample_range, "samples to use, A to B-1 (default: all)")
