@@ -11,6 +11,7 @@ namespace latent::develop {
 namespace {
 
 constexpr int kTimes = 256;
+constexpr std::size_t kAtOnce = 256;  // records, in steps that compilers turn into vectors
 
 // Mean weight, and the mean of its square.
 struct Moments {
@@ -89,22 +90,24 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
 
 void LensWeights::set_aperture(const Aperture& aperture, double film_width, double film_height) {
     const LensCells cells = cells_of(aperture);
+    constexpr double kNearlyAll = 0.9;  // to find out which records are left out costs more than it saves
     double disk = 0;
+    bool closed_somewhere = aperture.cat_eye > 0;
     std::vector<double> passing, squares;
     for (std::size_t cell = 0; cell < cells.area.size(); ++cell) {
         const auto area = static_cast<double>(cells.area[cell]), weight = static_cast<double>(cells.transmission[cell]);
         disk += area;
         passing.push_back(weight * area);
         squares.push_back(weight * weight * area);
-        leaves_out_ = leaves_out_ || (area > 0 && weight == 0);
+        closed_somewhere = closed_somewhere || (area > 0 && weight == 0);
     }
     light_ = LensSums(passing);
-    leaves_out_ = leaves_out_ || aperture.cat_eye > 0;
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
     if (!aperture.is_whole()) cells_ = cells.transmission;
     set_means(LensSums(squares), disk);
+    leaves_out_ = closed_somewhere && mean_ < kNearlyAll;
 }
 
 void LensWeights::set_means(const LensSums& square_sums, double disk) {
@@ -184,13 +187,21 @@ void LensWeights::means_at(const sampledb::Page& page, std::size_t begin, std::s
     const Patch* const patches = patches_.data();
     const std::uint32_t* const u = page.u.data() + begin;
     const std::uint32_t* const v = page.v.data() + begin;
-    for (std::size_t k = 0; k < means.size(); ++k) {
-        constexpr int kBits = 32 - kPatchBits;
-        const Patch& p = patches[v[k] >> kBits << kPatchBits | u[k] >> kBits];
-        constexpr std::uint32_t kWithin = (std::uint32_t{1} << kBits) - 1;
-        const float right = static_cast<float>(static_cast<std::int32_t>(u[k] & kWithin)) * kPatchesPerUnit,
-                    down = static_cast<float>(static_cast<std::int32_t>(v[k] & kWithin)) * kPatchesPerUnit;
-        means[k] = (p.corner + right * p.right + down * (p.down + right * p.both)) * time_mean_;
+    constexpr int kBits = 32 - kPatchBits;
+    constexpr std::uint32_t kWithin = (std::uint32_t{1} << kBits) - 1;
+    std::array<std::uint32_t, kAtOnce> patch;
+    std::array<float, kAtOnce> right, down;
+    for (std::size_t done = 0; done < means.size(); done += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, means.size() - done);
+        for (std::size_t i = 0; i < count; ++i) {
+            patch[i] = v[done + i] >> kBits << kPatchBits | u[done + i] >> kBits;
+            right[i] = static_cast<float>(static_cast<std::int32_t>(u[done + i] & kWithin)) * kPatchesPerUnit;
+            down[i] = static_cast<float>(static_cast<std::int32_t>(v[done + i] & kWithin)) * kPatchesPerUnit;
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            const Patch& p = patches[patch[i]];
+            means[done + i] = (p.corner + right[i] * p.right + down[i] * (p.down + right[i] * p.both)) * time_mean_;
+        }
     }
 }
 
@@ -260,19 +271,22 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
     }
     // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
     constexpr float kCell = 2.0f / kLensCells;
-    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-32f,
-                per_v = rim_v_ * 0x1p-32f;
-    // In steps that compilers turn into vectors.
-    constexpr std::size_t kAtOnce = 256;
+    constexpr int kLeftOut = 8;  // bits of positions: the others are exact as float
+    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-24f,
+                per_v = rim_v_ * 0x1p-24f;
     std::array<std::int32_t, kAtOnce> x{}, y{};
     std::array<float, kAtOnce> u{}, v{};
+    const std::uint32_t *const its_u = page.u.data(), *const its_v = page.v.data();
     for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
         const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
         float* const out = weights.data() + done;
         for (std::size_t i = 0; i < count; ++i) {
             x[i] = static_cast<std::int32_t>(columns[first + i]), y[i] = static_cast<std::int32_t>(rows[first + i]);
-            u[i] = static_cast<float>(page.u[first + i]), v[i] = static_cast<float>(page.v[first + i]);
             out[i] = cells_[static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i])];
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            u[i] = static_cast<float>(static_cast<std::int32_t>(its_u[first + i] >> kLeftOut));
+            v[i] = static_cast<float>(static_cast<std::int32_t>(its_v[first + i] >> kLeftOut));
         }
         for (std::size_t i = 0; i < kAtOnce; ++i) {
             const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * per_u,

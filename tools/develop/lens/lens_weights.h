@@ -67,7 +67,7 @@ class LensWeights {
     };
     void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const;
 
-    // Whether there are weights of 0.
+    // Whether many weights are 0.
     bool leaves_records_out() const { return leaves_out_; }
 
     // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
