@@ -146,6 +146,18 @@ TEST_F(FilmPrint, WithoutAPaperOrOfWhatIsNotOnFilmIsRefusedWithWhatToDo) {
     EXPECT_THAT(refused("xyz.exr", options), HasSubstr("--print-exposure: needs --paper"));
 }
 
+// Otherwise exposures would be printed as colours.
+TEST_F(FilmPrint, OfAHeaderWithoutAnExposureIndexIsRefused) {
+    for (const char* index : {"fast", "0", "-5", "nan", ""}) {
+        write("damaged.exr", "portra-400", index);
+        for (const ConvertOptions& options : {ConvertOptions{}, on("endura")}) {
+            const Result<ConvertReport> report = print("damaged.exr", "refused.png", options);
+            ASSERT_FALSE(report) << index;
+            EXPECT_THAT(report.error().message, AllOf(HasSubstr("damaged.exr"), HasSubstr("latentExposureIndex")));
+        }
+    }
+}
+
 TEST_F(FilmPrint, OptionsAreReadFromTheCommandLine) {
     const testing::Outcome done = run_tool(
         {at("film.exr"), "-o", at("a.png"), "--paper", "supra endura", "--enlarger", "60,50,0", "--grain", "--format", "6x7"});

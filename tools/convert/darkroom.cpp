@@ -128,9 +128,10 @@ Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& 
     }
     if (!exposed)
         return usage_error(fmt::format(
-            "--paper: {} holds no exposures of a film, and spectra cannot be recovered from its colours; develop its samples "
-            "again: latent-develop FILE.latent --film portra-400 -o exposures.exr",
-            input));
+            "--paper: {} holds no exposures of a film{}; develop its samples again: latent-develop FILE.latent --film portra-400 "
+            "-o "
+            "exposures.exr",
+            input, source.reader.image().emitted_nm.empty() ? ", and spectra cannot be recovered from its colours" : ""));
     if (const std::string_view given = plain_option(options); !given.empty())
         return usage_error(
             fmt::format("{}: does not go with --paper, where the film and the paper decide; use --stops, --print-exposure "
