@@ -144,6 +144,12 @@ TEST_F(FilmPrint, WithoutAPaperOrOfWhatIsNotOnFilmIsRefusedWithWhatToDo) {
     options = {};
     options.darkroom.print_stops = 1;
     EXPECT_THAT(refused("xyz.exr", options), HasSubstr("--print-exposure: needs --paper"));
+    options = {};
+    options.darkroom.couplers = false;
+    EXPECT_THAT(refused("xyz.exr", options), HasSubstr("--no-couplers: needs --paper"));
+    options = on("endura");
+    options.darkroom.seed = 2;
+    EXPECT_THAT(refused("film.exr", options), HasSubstr("--grain-seed: needs --grain"));
 }
 
 // Otherwise exposures would be printed as colours.

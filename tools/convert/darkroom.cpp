@@ -27,7 +27,10 @@ Status check_plain(const ConvertOptions& options) {
                         : d.filters                                               ? "--enlarger"
                         : d.print_stops != 0                                      ? "--print-exposure"
                         : !d.contrast_filter.empty()                              ? "--contrast-filter"
+                        : !d.couplers                                             ? "--no-couplers"
+                        : !d.balance                                              ? "--no-balance"
                         : d.grain.value_or(false)                                 ? "--grain"
+                        : d.seed != DarkroomOptions{}.seed                        ? "--grain-seed"
                         : d.mtf.value_or(false)                                   ? "--mtf"
                         : d.halation.value_or(Halation::kNone) != Halation::kNone ? "--halation"
                                                                                   : nullptr;
@@ -83,7 +86,10 @@ Result<double> parse_format(std::string_view text) {
 
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source) {
     const DarkroomOptions& asked = options.darkroom;
-    if (!asked.grain.value_or(false)) return std::shared_ptr<const Emulsion>{};
+    if (!asked.grain.value_or(false)) {
+        if (!asked.paper.empty() && asked.seed != DarkroomOptions{}.seed) return usage_error("--grain-seed: needs --grain");
+        return std::shared_ptr<const Emulsion>{};
+    }
     const Result<film::Material> film = exposed_film(asked, source);
     if (!film) return film.error();
     const auto granularity = film::granularity(*film, source.reader.image().film->push);
