@@ -8,9 +8,7 @@ the film's layers are added up from the true spectra, and guessed by spectral_fi
 then printed by the same latent-convert. Prints, for each film, the guess's error in stops and the difference of the prints (CIEDE2000);
 with `patches`, for each patch too."""
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 import colour
 import numpy as np
@@ -18,6 +16,9 @@ import spectral_film_lut
 from spectral_film_lut.config import SPECTRAL_SHAPE
 from spectral_film_lut.film_spectral import FilmSpectral
 from spectral_film_lut.xy_lut import apply_2d_lut
+
+sys.dont_write_bytecode = True
+from harness import printed_exposures
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 TOOLS = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else TOP / "build/bin")
@@ -38,20 +39,6 @@ def patches():
     return np.stack([np.interp(NM, data[:, 0], column) for column in data[:, 1:].T])
 
 
-def prints(film, paper, index, exposures, folder):
-    """X, Y, Z of the prints of exposures relative to the grey card, under an even-energy white."""
-    create = ["oiiotool", "--create", f"{len(exposures)}x1", "3"]
-    for i, exposure in enumerate(exposures):
-        create += ["--fill:color=" + ",".join(f"{v * 10 / index:.9g}" for v in exposure), f"1x1+{i}+0"]
-    create += ["--attrib:type=string", "latentFilm", film, "--attrib:type=string", "latentExposureIndex", str(index),
-               "--attrib:type=string", "latentPush", "0", "-d", "float", "-o", f"{folder}/in.exr"]
-    subprocess.run(create, check=True)
-    subprocess.run([TOOLS / "latent-convert", f"{folder}/in.exr", "-o", f"{folder}/out.exr", "--paper", paper, "-s", "1",
-                    "--profile", "1,0,0,0,1,0,0,0,1", "--force", "-q"], check=True, stdout=subprocess.DEVNULL)
-    text = subprocess.run(["oiiotool", "--dumpdata", f"{folder}/out.exr"], check=True, capture_output=True, text=True).stdout
-    return np.array([[float(v) for v in line.split(":")[1].split()] for line in text.splitlines() if "Pixel (" in line])
-
-
 def main():
     stocks = {stock.name: stock for stock in spectral_film_lut.FILM_STOCKS}
     reflectance = patches()
@@ -62,26 +49,25 @@ def main():
     xyz = scale * (reflectance * light) @ matching
     grey_xyz = 0.18 * scale * light @ matching
     print(f"{'film':<16}{'method':<18}{'layers, stops: mean, largest':<32}{'print, dE2000: mean, largest':<32}patch")
-    with tempfile.TemporaryDirectory() as folder:
-        for name, film, paper in FILMS:
-            stock = FilmSpectral(stocks[name])
-            sensitivity = np.asarray(stock.sensitivity, dtype=float)
-            true = (reflectance * light) @ sensitivity / (0.18 * light @ sensitivity)
-            for method in METHODS:
-                lut_in = np.concatenate([xyz, grey_xyz[None]]).astype(np.float32)
-                lut = stock.get_input_lut(5503, upsampling_method=method)
-                guessed = np.asarray(apply_2d_lut(lut_in, lut), dtype=float)
-                guessed = np.maximum(guessed[:-1] / guessed[-1], 1e-4)
-                stops = np.abs(np.log2(guessed / true))
-                a, b = (prints(film, paper, stock.iso, e, folder) for e in (true, guessed))
-                lab = [colour.XYZ_to_Lab(v, [1 / 3, 1 / 3]) for v in (a, b)]
-                differences = colour.difference.delta_E_CIE2000(*lab)
-                print(f"{film:<16}{method:<18}{f'{stops.mean():.3f}, {stops.max():.3f}':<32}"
-                      f"{f'{differences.mean():.2f}, {differences.max():.2f}':<32}{differences.argmax() + 1}")
-                if "patches" in sys.argv[2:]:
-                    signed = np.log2(guessed / true)
-                    for i, (layers, difference) in enumerate(zip(signed, differences)):
-                        print(f"    {i + 1:>2}  stops: {layers[0]:+.2f} {layers[1]:+.2f} {layers[2]:+.2f}  dE2000 {difference:.2f}")
+    for name, film, paper in FILMS:
+        stock = FilmSpectral(stocks[name])
+        sensitivity = np.asarray(stock.sensitivity, dtype=float)
+        true = (reflectance * light) @ sensitivity / (0.18 * light @ sensitivity)
+        for method in METHODS:
+            lut_in = np.concatenate([xyz, grey_xyz[None]]).astype(np.float32)
+            lut = stock.get_input_lut(5503, upsampling_method=method)
+            guessed = np.asarray(apply_2d_lut(lut_in, lut), dtype=float)
+            guessed = np.maximum(guessed[:-1] / guessed[-1], 1e-4)
+            stops = np.abs(np.log2(guessed / true))
+            a, b = (np.array(printed_exposures(TOOLS, e * 10 / stock.iso, paper, film, stock.iso)) for e in (true, guessed))
+            lab = [colour.XYZ_to_Lab(v, [1 / 3, 1 / 3]) for v in (a, b)]
+            differences = colour.difference.delta_E_CIE2000(*lab)
+            print(f"{film:<16}{method:<18}{f'{stops.mean():.3f}, {stops.max():.3f}':<32}"
+                  f"{f'{differences.mean():.2f}, {differences.max():.2f}':<32}{differences.argmax() + 1}")
+            if "patches" in sys.argv[2:]:
+                signed = np.log2(guessed / true)
+                for i, (layers, difference) in enumerate(zip(signed, differences)):
+                    print(f"    {i + 1:>2}  stops: {layers[0]:+.2f} {layers[1]:+.2f} {layers[2]:+.2f}  dE2000 {difference:.2f}")
 
 
 main()

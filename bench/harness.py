@@ -143,3 +143,30 @@ def machine():
     memory = int(next(line.split()[1] for line in open("/proc/meminfo") if line.startswith("MemTotal"))) / 2**20
     load = os.getloadavg()[0]
     return f"{os.cpu_count()} x {model}, {memory:.0f} GiB, load {load:.1f}"
+
+
+def pixels(path):
+    """The channels of each pixel of a small picture, by oiiotool."""
+    text = subprocess.run(["oiiotool", "--dumpdata", path], check=True, capture_output=True, text=True).stdout
+    return [[float(v) for v in line.split(":")[1].split()] for line in text.splitlines() if "Pixel (" in line]
+
+
+def printed(tools, exposures, paper, film, sensitivity=1):
+    """X, Y, Z of each pixel of a picture of exposures of a film on paper, white being (1, 1, 1)."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = f"{folder}/print.exr"
+        subprocess.run([f"{tools}/latent-convert", exposures, "-o", out, "--film", film, "--paper", paper, "-s", str(sensitivity),
+                        "--profile", "1,0,0,0,1,0,0,0,1", "-q"], check=True, stdout=subprocess.DEVNULL)
+        return pixels(out)
+
+
+def printed_exposures(tools, exposures, paper, film, index, sensitivity=1):
+    """The same of exposures [lux s] of the layers, three for each pixel. `film`: its name, exposed at this index."""
+    create = ["oiiotool", "--create", f"{len(exposures)}x1", "3"]
+    for i, exposure in enumerate(exposures):
+        create += ["--fill:color=" + ",".join(f"{v:.9g}" for v in exposure), f"1x1+{i}+0"]
+    for key, value in ("latentFilm", film), ("latentExposureIndex", index), ("latentPush", 0):
+        create += ["--attrib:type=string", key, str(value)]
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([*create, "-d", "float", "-o", f"{folder}/in.exr"], check=True)
+        return printed(tools, f"{folder}/in.exr", paper, film, sensitivity)

@@ -92,7 +92,7 @@ struct ExrReader::File {
     Status read_header(const ExrChoice& choice);
     Status find_blocks(int wanted_level);
     Status find_channels(const ExrChoice& choice);
-    void read_attributes();
+    Status read_attributes();
     std::string words(const char* name) const;
     void integrate_row(const std::byte* row, std::size_t width, std::size_t skipped, std::size_t count,
                        const std::array<float*, 3>& out, std::vector<float>& values) const;
@@ -170,8 +170,7 @@ Status ExrReader::File::read_header(const ExrChoice& choice) {
     image.display_window = rect_of(display);
     if (Status s = find_blocks(choice.level); !s) return s;
     if (Status s = find_channels(choice); !s) return s;
-    read_attributes();
-    return {};
+    return read_attributes();
 }
 
 Status ExrReader::File::find_blocks(int wanted_level) {
@@ -218,7 +217,7 @@ Status ExrReader::File::find_channels(const ExrChoice& choice) {
     return {};
 }
 
-void ExrReader::File::read_attributes() {
+Status ExrReader::File::read_attributes() {
     exr_attr_chromaticities_t c;
     exr_attr_v2f_t neutral;
     if (exr_attr_get_chromaticities(context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS && !image.xyz) {
@@ -226,9 +225,20 @@ void ExrReader::File::read_attributes() {
     }
     if (exr_attr_get_v2f(context, 0, "adoptedNeutral", &neutral) == EXR_ERR_SUCCESS) image.adopted_neutral = {neutral.x, neutral.y};
     image.observer = words("latentObserver");
-    const Result<double> index = parse_number(words("latentExposureIndex")), push = parse_number(words("latentPush"));
     const std::string film = words("latentFilm");
-    if (!film.empty() && index && *index > 0 && push && *push >= -1 && *push <= 2) image.film = ExposedFilm{film, *index, *push};
+    if (film.empty()) return {};
+    const auto number = [&](const char* name, double from, double to) -> Result<double> {
+        const std::string text = words(name);
+        const Result<double> value = parse_number(text);
+        if (value && *value >= from && *value <= to) return value;
+        return Error{ErrorCode::kCorrupt,
+                     fmt::format("{}: holds exposures of a film, but its {} is '{}', not a number from {} to {}", path.string(),
+                                 name, text, from, to)};
+    };
+    const Result<double> index = number("latentExposureIndex", 0.01, 1e6), push = number("latentPush", -1, 2);
+    if (!index || !push) return !index ? index.error() : push.error();
+    image.film = ExposedFilm{film, *index, *push};
+    return {};
 }
 
 // A short attribute of text, as far as it can be shown; "" if there is none.

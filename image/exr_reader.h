@@ -17,7 +17,7 @@ namespace latent::image {
 // The film whose layers were exposed: the pixels are exposures in lux s.
 struct ExposedFilm {
     std::string name;
-    double exposure_index = 0;  // positive
+    double exposure_index = 0;  // within 0.01..1e6
     double push = 0;            // stops, within -1..2
 };
 
@@ -48,8 +48,8 @@ struct ExrChoice {
 
 class ExrReader {
  public:
-    // Channels: R, G, B; or X, Y, Z; or Y; half or float. Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep,
-    // subsampled or other channels, DWA), kUsage (no such level or layer).
+    // Channels: R, G, B; or X, Y, Z; or Y; half or float. Errors: kNotFound, kIo, kCorrupt, kForeign (not an EXR), kUnsupported
+    // (deep, subsampled or other channels, DWA), kUsage (no such level or layer).
     static Result<ExrReader> open(const std::filesystem::path& path, const ExrChoice& choice = {});
     ExrReader(ExrReader&&) noexcept;
     ~ExrReader();

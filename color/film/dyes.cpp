@@ -1,5 +1,7 @@
 #include "color/film/dyes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -131,8 +133,13 @@ Dyes published(const Columns& table, bool have_base) {
 }  // namespace
 
 Result<Dyes> dyes_of(const Material& material) {
-    Result<Columns> table = need_table(material, "dyes", {"wavelength_nm"});
+    Result<Columns> table = need_table(material, "dyes", {});
     if (!table) return table.error();
+    const std::vector<double>& nm = table->values[0];
+    constexpr double kNeedFrom = 420, kNeedTo = 680;
+    if (nm.front() > kNeedFrom || nm.back() < kNeedTo)
+        return Error{ErrorCode::kCorrupt, fmt::format("{}: goes from {} to {} nm, but must reach from {} to {}",
+                                                      table_file(material, "dyes"), nm.front(), nm.back(), kNeedFrom, kNeedTo)};
     const bool separate = !table->has("cyan");
     table = need_table(
         material, "dyes",
@@ -145,7 +152,8 @@ Result<Dyes> dyes_of(const Material& material) {
         for (std::size_t i = 0; i < kNm; ++i) {
             if (nm_of(i) > kFrom[dye] && nm_of(i) < kTo[dye]) peak = std::max(peak, dyes.unit[dye][i]);
         }
-        if (!(peak > 0)) return Error{ErrorCode::kCorrupt, material.file + ".dyes.csv: a dye absorbs nothing where it should most"};
+        if (!(peak > 0))
+            return Error{ErrorCode::kCorrupt, table_file(material, "dyes") + ": a dye absorbs nothing where it should most"};
         for (double& d : dyes.unit[dye]) d /= peak;
     }
     if (table->has("minimum")) dyes.base = at_every_nm(*table, "minimum");

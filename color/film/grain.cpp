@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "color/film/mono.h"
 #include "color/film/push.h"
 #include "color/film/spectra.h"
+#include "color/film/stock.h"
+#include "color/power_of_ten.h"
 
 namespace latent::film {
 namespace {
@@ -74,11 +78,33 @@ Columns shape_for(const Material& film) {
 }
 constexpr const char* kLayer[] = {"r", "g", "b"};
 
-// The least densities of the layers, in the data sheet's densitometer.
-Triple min_densities(const Columns& curves) {
-    Triple least;
-    for (std::size_t c = 0; c < 3; ++c) least[c] = std::ranges::min(curves[kLayer[c]]);
-    return least;
+// What a densitometer of these weights reads of the dyes, and by how much it changes with the amount of each.
+struct Reading {
+    double density = 0;
+    Triple slopes{};
+};
+Reading reading_of(const Stock& film, const Curve& weights, const Triple& amounts) {
+    const Curve t = transmittance(film.density(amounts));
+    Curve seen;
+    for (std::size_t i = 0; i < kNm; ++i) seen[i] = t[i] * weights[i];
+    const double light = std::accumulate(seen.begin(), seen.end(), 0.0);
+    Reading out{-color::log10_of(light), {}};
+    for (std::size_t c = 0; c < 3; ++c) out.slopes[c] = dot(seen, film.dyes()[c]) / light;
+    return out;
+}
+
+Triple amounts_of_grey(const Stock& film, double h) { return film.amounts({h, h, h}); }
+
+// Of the exposure that is as dense for the eye as the base and `above_base`.
+Triple visual_amounts(const Stock& film, const Curve& visual, double above_base) {
+    const double wanted = reading_of(film, visual, film.min_amounts()).density + above_base;
+    double light = film.log_exposures().front(), dark = film.log_exposures().back();
+    if (film.material().positive()) std::swap(light, dark);
+    for (int i = 0; i < 50; ++i) {
+        const double middle = (light + dark) / 2;
+        (reading_of(film, visual, amounts_of_grey(film, middle)).density < wanted ? light : dark) = middle;
+    }
+    return amounts_of_grey(film, light);
 }
 
 }  // namespace
@@ -89,33 +115,50 @@ Result<std::array<Table1, 3>> granularity(const Material& film, double pushed) {
     const auto fill = [&](std::size_t c, auto sigma) {
         out[c] = tabulated(0, kMax, kStep, [&](double density) { return push_contrast(pushed) * sigma(density) / 1000; });
     };
-    if (!film.colour) {  // as the square root of the density, [Nutting]; the sheet gives it at density 1
+    if (!film.colour) {  // as the square root of the density above the base, [Nutting]; the sheet gives it at density 1
         if (film.rms == 0) return Error{ErrorCode::kUnsupported, film.title + ": its granularity is not known"};
-        for (std::size_t c = 0; c < 3; ++c) fill(c, [&](double density) { return film.rms * std::sqrt(density); });
+        const Result<MonoCurve> curve = mono_film(film, 0);
+        if (!curve) return curve.error();
+        const double base = std::ranges::min(curve->density);
+        for (std::size_t c = 0; c < 3; ++c)
+            fill(c, [&](double density) { return film.rms * std::sqrt(std::max(density - base, 0.0)); });
         return out;
     }
     const Result<std::optional<Columns>> own = find_table(film, "grain");
     if (!own) return own.error();
     if (!*own && film.rms == 0) return Error{ErrorCode::kUnsupported, film.title + ": its granularity is not known"};
-    const Result<Columns> curves = need_table(film, "curves", {"r", "g", "b"});
-    if (!curves) return curves.error();
+    const Result<Stock> stock = Stock::make(film);
+    if (!stock) return stock.error();
     const Columns shape = *own ? **own : shape_for(film);
     const Columns shape_curves = common_table(film.positive() ? "kodak_ektachrome_100d.curves" : "kodak_5219.curves");
-    const Triple base = min_densities(*own ? *curves : shape_curves);
-    const auto plain = [&](std::size_t c, double above_base) {
-        return interpolated(base[c] + above_base, shape.values[0], shape[kLayer[c]]);
+    const Triple base = stock->integral_density(stock->min_amounts());
+    // Of an amount of dye, in a grey: its densities by layer have the squares of the sheet, to which all dyes add.
+    const auto plain = [&](std::size_t c, double amount) {
+        const Triple grey = amounts_of_grey(*stock, stock->exposure_for(c, amount));
+        std::array<Triple, 3> added{};
+        Triple squares{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Reading read = reading_of(*stock, stock->densitometer_weights()[i], grey);
+            const double at = *own ? read.density : read.density - base[i] + std::ranges::min(shape_curves[kLayer[i]]);
+            const double sigma = interpolated(at, shape.values[0], shape[kLayer[i]]);
+            squares[i] = sigma * sigma;
+            for (std::size_t j = 0; j < 3; ++j) added[i][j] = read.slopes[j] * read.slopes[j];
+        }
+        return std::sqrt(std::max(solve(added, squares)[c], 0.0));
     };
     double scale = 1;
-    if (!*own) {  // what the eye sees of the three layers at density 1 is the rms of the sheet
-        constexpr double kVisual[] = {0.3, 0.6, 0.1};
+    if (!*own) {  // what the eye sees of the three layers at density 1 above the base is the rms of the sheet
+        const Curve visual = visual_densitometer();
+        const Triple amounts = visual_amounts(*stock, visual, 1);
+        const Reading read = reading_of(*stock, visual, amounts);
         double sum = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double seen = kVisual[c] * plain(c, film.positive() ? 1 - base[c] : 1);
+            const double seen = read.slopes[c] * plain(c, amounts[c]);
             sum += seen * seen;
         }
         scale = film.rms / std::sqrt(sum);
     }
-    for (std::size_t c = 0; c < 3; ++c) fill(c, [&](double density) { return scale * plain(c, density); });
+    for (std::size_t c = 0; c < 3; ++c) fill(c, [&](double amount) { return scale * plain(c, amount); });
     return out;
 }
 

@@ -13,8 +13,9 @@
 
 namespace latent::film {
 
-// How strong it is: standard deviation of density through an aperture of 48 um, by the density above the base of each layer.
-// `pushed`: stops of longer development. Errors: of the tables; kUnsupported if nothing is known of the film's granularity.
+// How strong it is: standard deviation of the amount of dye (black and white: of density) through an aperture of 48 um, by that
+// amount in each layer. Densitometers then read what the data sheet says. `pushed`: stops of longer development. Errors: of the
+// tables; kUnsupported if nothing is known of the film's granularity.
 Result<std::array<Table1, 3>> granularity(const Material& film, double pushed);
 
 // Noise of unit strength at 48 um. White up to dye clouds of 12 um across, whose density is a tent:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "base/near_names.h"
 #include "base/parse.h"
@@ -85,6 +86,9 @@ Result<Material> read_material(const std::vector<std::string>& names, const std:
         return Error{ErrorCode::kCorrupt, "a film for cameras needs an exposure_index"};
     if (material.balance != "D55" && material.balance != "3200K" && material.balance != "3000K")
         return Error{ErrorCode::kCorrupt, fmt::format("balance: '{}' is not D55, 3200K or 3000K", material.balance)};
+    if (material.colour ? material.status == 'v' : densitometry != "visual")
+        return Error{ErrorCode::kCorrupt, fmt::format("densitometry: '{}' is not {}", densitometry,
+                                                      material.colour ? "status M or status A" : "visual")};
     return material;
 }
 
@@ -187,6 +191,31 @@ Result<Columns> columns_from_text(std::string_view text) {
     return out;
 }
 
+Status check_curves(const Material& material, const Columns& curves) {
+    const auto wrong = [](std::string what) { return Error{ErrorCode::kCorrupt, std::move(what)}; };
+    const std::vector<double>& h = curves.values[0];
+    for (std::size_t i = 1; i < h.size(); ++i) {
+        if (std::abs(h[i] - h[i - 1] - 0.05) < 1e-9) continue;
+        return wrong(fmt::format("log exposures must be 0.05 apart without gaps, but {} follows {}", h[i], h[i - 1]));
+    }
+    if (h.size() < 20) return wrong("needs at least 20 rows");
+    constexpr double kLeast = -0.1, kMost = 10, kLeastRange = 0.5;  // of density; noise may be below 0
+    for (std::size_t c = 1; c < curves.names.size(); ++c) {
+        const std::vector<double>& density = curves.values[c];
+        for (const double d : density) {
+            if (!(d >= kLeast && d <= kMost))
+                return wrong(fmt::format("{}: {} is not a density from 0 to {}", curves.names[c], d, kMost));
+        }
+        const double rise = density.back() - density.front();
+        if ((material.positive() ? -rise : rise) < kLeastRange) {
+            return wrong(
+                fmt::format("{}: must {} by {} or more where exposure rises, but is {} in the first row and {} in the last",
+                            curves.names[c], material.positive() ? "fall" : "rise", kLeastRange, density.front(), density.back()));
+        }
+    }
+    return {};
+}
+
 }  // namespace
 
 const std::vector<Material>& materials() {
@@ -262,7 +291,7 @@ Result<std::optional<Columns>> find_table(const Material& material, std::string_
         if (found == color::tables().end()) return std::optional<Columns>{};
         return std::optional(columns_of(*found));
     }
-    const std::string path = (material.folder / fmt::format("{}.{}.csv", material.file, what)).string();
+    const std::string path = table_file(material, what);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return std::optional<Columns>{};
     const Result<std::string> text = read_small_file(path, kMaxBytes, "a table");
@@ -275,13 +304,23 @@ Result<std::optional<Columns>> find_table(const Material& material, std::string_
 Result<Columns> need_table(const Material& material, std::string_view what, const std::vector<std::string>& columns) {
     Result<std::optional<Columns>> found = find_table(material, what);
     if (!found) return found.error();
-    const auto file = [&] { return (material.folder / fmt::format("{}.{}.csv", material.file, what)).string(); };
-    if (!*found) return Error{ErrorCode::kNotFound, fmt::format("{}: no such file, but {} needs it", file(), material.title)};
+    const std::string file = table_file(material, what);
+    if (!*found) return Error{ErrorCode::kNotFound, fmt::format("{}: no such file, but {} needs it", file, material.title)};
+    const std::string_view first = what == "curves" ? "log10_exposure" : "wavelength_nm";
+    if ((*found)->names[0] != first)
+        return Error{ErrorCode::kCorrupt, fmt::format("{}: its first column must be {}, not {}", file, first, (*found)->names[0])};
     for (const std::string& column : columns) {
         if (!(*found)->has(column))
-            return Error{ErrorCode::kCorrupt, fmt::format("{}: has no column {}, which {} needs", file(), column, material.title)};
+            return Error{ErrorCode::kCorrupt, fmt::format("{}: has no column {}, which {} needs", file, column, material.title)};
+    }
+    if (what == "curves") {
+        if (Status s = check_curves(material, **found); !s) return s.error().at(file);
     }
     return *std::move(*found);
+}
+
+std::string table_file(const Material& material, std::string_view what) {
+    return (material.folder / fmt::format("{}.{}.csv", material.file, what)).string();
 }
 
 }  // namespace latent::film

@@ -57,8 +57,11 @@ struct Columns {
 };
 // `what`: "sensitivity", "curves", "dyes", "mtf" or "grain". Nothing if the material has no such table. Errors: kCorrupt, kIo.
 Result<std::optional<Columns>> find_table(const Material& material, std::string_view what);
-// The same, of a table that the material cannot do without, with these columns. Errors: kNotFound, kCorrupt.
+// The same, of a table that the material cannot do without, with these columns behind the first one, which is wavelength_nm; of
+// "curves", log10_exposure: 0.05 apart, and densities rise with it (of positives: fall). Errors: kNotFound, kCorrupt.
 Result<Columns> need_table(const Material& material, std::string_view what, const std::vector<std::string>& columns);
+// FOLDER/FILE.curves.csv, for messages.
+std::string table_file(const Material& material, std::string_view what);
 // A table of color/data/film that belongs to no material: "status_m".
 Columns common_table(std::string_view name);
 

@@ -23,9 +23,9 @@ double contrast_of(const std::vector<double>& h, const std::vector<double>& dens
 }  // namespace
 
 Result<MonoCurve> mono_film(const Material& film, double push) {
-    const Result<Columns> curves = need_table(film, "curves", {"log10_exposure"});
+    const Result<Columns> curves = need_table(film, "curves", {});
     if (!curves) return curves.error();
-    if (curves->names.size() < 2) return Error{ErrorCode::kCorrupt, film.file + ".curves.csv: has no curve"};
+    if (curves->names.size() < 2) return Error{ErrorCode::kCorrupt, table_file(film, "curves") + ": has no curve"};
     const std::vector<double>& h = curves->values[0];
     constexpr double kNormal = 0.8;
     std::size_t best = 1;
@@ -49,7 +49,7 @@ Result<MonoCurve> mono_film(const Material& film, double push) {
 }
 
 Result<MonoCurve> mono_paper(const Material& paper, const std::string& contrast_filter) {
-    const Result<Columns> curves = need_table(paper, "curves", {"log10_exposure"});
+    const Result<Columns> curves = need_table(paper, "curves", {});
     if (!curves) return curves.error();
     std::string column = "filter_" + (contrast_filter.empty() ? "none" : contrast_filter == "00" ? "minus1" : contrast_filter);
     if (!curves->has("filter_none")) {  // minutes of development

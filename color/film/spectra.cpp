@@ -96,6 +96,12 @@ Curves densitometer(char status) {
     return out;
 }
 
+Curve visual_densitometer() {
+    Curve out = light("A");
+    for (std::size_t i = 0; i < kNm; ++i) out[i] *= matching()[1][i];
+    return out;
+}
+
 double cube_root(double x) {
     double root = color::power_of_ten(color::log10_of(x) / 3);
     root -= (root * root * root - x) / (3 * root * root);  // Newton

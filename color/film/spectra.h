@@ -34,6 +34,8 @@ Curve light(std::string_view name);
 const Curves& matching();  // colour matching functions of CIE 1931
 // Densitometer of status 'A' or 'M' [ISO5-3]: weights, the sum of each is 1.
 Curves densitometer(char status);
+// The same as the eye: light of 2856 K, V(lambda) [ISO5-3].
+Curve visual_densitometer();
 
 // x^(1/3), x > 0.
 double cube_root(double x);

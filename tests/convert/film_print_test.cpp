@@ -144,6 +144,24 @@ TEST_F(FilmPrint, WithoutAPaperOrOfWhatIsNotOnFilmIsRefusedWithWhatToDo) {
     options = {};
     options.darkroom.print_stops = 1;
     EXPECT_THAT(refused("xyz.exr", options), HasSubstr("--print-exposure: needs --paper"));
+    options = {};
+    options.darkroom.couplers = false;
+    EXPECT_THAT(refused("xyz.exr", options), HasSubstr("--no-couplers: needs --paper"));
+    options = on("endura");
+    options.darkroom.seed = 2;
+    EXPECT_THAT(refused("film.exr", options), HasSubstr("--grain-seed: needs --grain"));
+}
+
+// Otherwise exposures would be printed as colours.
+TEST_F(FilmPrint, OfAHeaderWithoutAnExposureIndexIsRefused) {
+    for (const char* index : {"fast", "0", "-5", "nan", ""}) {
+        write("damaged.exr", "portra-400", index);
+        for (const ConvertOptions& options : {ConvertOptions{}, on("endura")}) {
+            const Result<ConvertReport> report = print("damaged.exr", "refused.png", options);
+            ASSERT_FALSE(report) << index;
+            EXPECT_THAT(report.error().message, AllOf(HasSubstr("damaged.exr"), HasSubstr("latentExposureIndex")));
+        }
+    }
 }
 
 TEST_F(FilmPrint, OptionsAreReadFromTheCommandLine) {

@@ -21,7 +21,7 @@ TEST(Tour, MakesEveryPictureOfItsPages) {
         EXPECT_TRUE(std::filesystem::exists(folder.path() / i->str(1))) << i->str(1);
         EXPECT_TRUE(std::filesystem::exists(source / "docs/images/darkroom" / i->str(1))) << i->str(1);
     }
-    EXPECT_EQ(pictures, 17);
+    EXPECT_EQ(pictures, 19);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "color/film/material.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <fstream>
 
 #include "base/near_names.h"
+#include "color/film/exposure.h"
 #include "color/film/stock.h"
 #include "tests/faults/process.h"
 
@@ -88,6 +90,7 @@ class OwnMaterial : public ::testing::Test {
     std::string refused() const {
         const Result<Material> material = find_material(name("mine"), true);
         if (!material) return material.error().message;
+        if (const auto exposed = film_observer(*material, 100); !exposed) return exposed.error().message;
         const Result<Stock> stock = Stock::make(*material);
         return stock ? "" : stock.error().message;
     }
@@ -116,7 +119,40 @@ TEST_F(OwnMaterial, WithAGapIsRefusedByItsLine) {
     EXPECT_THAT(refused(), AllOf(HasSubstr("line 9"), HasSubstr("must increase")));
 }
 
+TEST_F(OwnMaterial, WithCurvesThatNoFilmHasIsRefused) {
+    const auto with = [&](double from, double step) {
+        std::string text = "log10_exposure,r,g,b\n";
+        for (int i = 0; i < 40; ++i) text += fmt::format("{},{},0.5,0.5\n", -2 + 0.05 * i, from + step * i);
+        write("mine.curves.csv", text);
+        return refused();
+    };
+    EXPECT_THAT(with(0.5, 0), HasSubstr("mine.curves.csv: r: must rise by 0.5 or more"));
+    EXPECT_THAT(with(2.5, -0.05), HasSubstr("r: must rise by 0.5 or more where exposure rises, but is 2.5 in the first row"));
+    EXPECT_THAT(with(0.5, 1), HasSubstr("r: 10.5 is not a density from 0 to 10"));
+    EXPECT_THAT(with(-1, 0.1), HasSubstr("r: -1 is not a density"));
+}
+
+TEST_F(OwnMaterial, WithColumnsInAnotherOrderIsTheSame) {
+    const Result<color::Observer> before = film_observer(*find_material(name("mine"), true), 100);
+    write("mine.sensitivity.csv", "wavelength_nm,log10_b,log10_r,log10_g\n400,0,-9,-9\n500,-1,-9,0\n600,-9,0,-1\n700,-9,-1,-9\n");
+    const Result<color::Observer> after = film_observer(*find_material(name("mine"), true), 100);
+    ASSERT_TRUE(before && after);
+    for (const double nm : {450.0, 550.0, 650.0}) EXPECT_EQ(before->at(nm), after->at(nm));
+    write("mine.sensitivity.csv", "log10_r,wavelength_nm,log10_g,log10_b\n-9,400,-9,0\n0,500,0,-1\n");
+    EXPECT_THAT(refused(), HasSubstr("mine.sensitivity.csv: its first column must be wavelength_nm, not log10_r"));
+}
+
+TEST_F(OwnMaterial, WithALayerThatSeesNothingOrDyesOfAFewWavelengthsIsRefused) {
+    write("mine.sensitivity.csv", "wavelength_nm,log10_r,log10_g,log10_b\n400,-9,-9,-9\n500,-9,0,-9\n600,0,-1,-9\n");
+    EXPECT_THAT(refused(), HasSubstr(name("mine.sensitivity.csv") + ": log10_b: does not respond to D55"));
+    SetUp();
+    write("mine.dyes.csv", "wavelength_nm,cyan,magenta,yellow\n500,1,1,1\n520,1,1,1\n");
+    EXPECT_THAT(refused(), HasSubstr(name("mine.dyes.csv") + ": goes from 500 to 520 nm"));
+}
+
 TEST_F(OwnMaterial, WithARowThatSaysNothingUsefulIsRefusedByItsLine) {
+    write("materials.csv", "name,file,kind,exposure_index,balance,densitometry\nmine,mine,negative,100,D55,status Q\n");
+    EXPECT_THAT(refused(), HasSubstr("line 2: densitometry: 'status Q' is not status M or status A"));
     write("materials.csv", "name,file,kind,exposure_index,balance\nmine,mine,negativ,100,D55\n");
     EXPECT_THAT(refused(), AllOf(HasSubstr("materials.csv: line 2"), HasSubstr("negativ")));
     write("materials.csv", "name,file,kind,exposure_index,balance\nmine,mine,negative,,D55\n");

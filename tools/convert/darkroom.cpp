@@ -27,7 +27,10 @@ Status check_plain(const ConvertOptions& options) {
                         : d.filters                                               ? "--enlarger"
                         : d.print_stops != 0                                      ? "--print-exposure"
                         : !d.contrast_filter.empty()                              ? "--contrast-filter"
+                        : !d.couplers                                             ? "--no-couplers"
+                        : !d.balance                                              ? "--no-balance"
                         : d.grain.value_or(false)                                 ? "--grain"
+                        : d.seed != DarkroomOptions{}.seed                        ? "--grain-seed"
                         : d.mtf.value_or(false)                                   ? "--mtf"
                         : d.halation.value_or(Halation::kNone) != Halation::kNone ? "--halation"
                                                                                   : nullptr;
@@ -83,7 +86,10 @@ Result<double> parse_format(std::string_view text) {
 
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source) {
     const DarkroomOptions& asked = options.darkroom;
-    if (!asked.grain.value_or(false)) return std::shared_ptr<const Emulsion>{};
+    if (!asked.grain.value_or(false)) {
+        if (!asked.paper.empty() && asked.seed != DarkroomOptions{}.seed) return usage_error("--grain-seed: needs --grain");
+        return std::shared_ptr<const Emulsion>{};
+    }
     const Result<film::Material> film = exposed_film(asked, source);
     if (!film) return film.error();
     const auto granularity = film::granularity(*film, source.reader.image().film->push);
@@ -128,9 +134,10 @@ Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& 
     }
     if (!exposed)
         return usage_error(fmt::format(
-            "--paper: {} holds no exposures of a film, and spectra cannot be recovered from its colours; develop its samples "
-            "again: latent-develop FILE.latent --film portra-400 -o exposures.exr",
-            input));
+            "--paper: {} holds no exposures of a film{}; develop its samples again: latent-develop FILE.latent --film portra-400 "
+            "-o "
+            "exposures.exr",
+            input, source.reader.image().emitted_nm.empty() ? ", and spectra cannot be recovered from its colours" : ""));
     if (const std::string_view given = plain_option(options); !given.empty())
         return usage_error(
             fmt::format("{}: does not go with --paper, where the film and the paper decide; use --stops, --print-exposure "
