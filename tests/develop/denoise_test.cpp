@@ -89,8 +89,9 @@ TEST(Denoise, SurfacesStayApartWhereLightAloneDoesNotTell) {
     const auto faint = [](bool seen) {
         return [seen](int x, int) { return Pixel{x < kSide / 2 ? 1.0f : 1.05f, seen && x >= kSide / 2 ? 0.8f : 0.5f}; };
     };
-    const double blurred = errors(faint(false), kSide / 2 - 2, kSide / 2).mean, sharp = errors(faint(true), kSide / 2 - 2, kSide / 2).mean;
-    EXPECT_GT(blurred, 0.01);              // a fifth of the step or more crosses the edge
+    const double blurred = errors(faint(false), kSide / 2 - 2, kSide / 2).mean,
+                 sharp = errors(faint(true), kSide / 2 - 2, kSide / 2).mean;
+    EXPECT_GT(blurred, 0.01);  // a fifth of the step or more crosses the edge
     EXPECT_LT(std::abs(sharp), blurred / 4);
 }
 
@@ -102,7 +103,11 @@ TEST(Denoise, AnAmountIsAMixWithTheNoisyPicture) {
 }
 
 TEST(Denoise, APixelDependsOnThoseWithinReachAlone) {
-    const std::vector<float> pixels = noisy([](int x, int y) { return Pixel{1 + 0.1f * static_cast<float>((x ^ y) & 8), 0.5f}; }, 4);
+    const std::vector<float> pixels = noisy(
+        [](int x, int y) {
+            return Pixel{1 + 0.1f * static_cast<float>((x ^ y) & 8), 0.5f};
+        },
+        4);
     const DenoisedValues values = DenoisedValues::find(kNames);
     const std::vector<float> all = denoise(values, 1, kAll, pixels, kAll);
     for (const PixelRect& wanted : {PixelRect{20, 25, 21, 26}, PixelRect{0, 40, 9, 64}, PixelRect{13, 0, 64, 3}}) {
@@ -126,8 +131,10 @@ class DenoisedFile : public ::testing::Test {
 
     DenoisedFile() {
         Job job = synthetic::make_short_job();
-        job.extra = {{"normal.x", sampledb::ColumnType::kF32}, {"normal.y", sampledb::ColumnType::kF32},
-                     {"normal.z", sampledb::ColumnType::kF32}, {"depth", sampledb::ColumnType::kF32}};
+        job.extra = {{"normal.x", sampledb::ColumnType::kF32},
+                     {"normal.y", sampledb::ColumnType::kF32},
+                     {"normal.z", sampledb::ColumnType::kF32},
+                     {"depth", sampledb::ColumnType::kF32}};
         write("with.latent", job);
         job.extra.clear();
         write("without.latent", job);

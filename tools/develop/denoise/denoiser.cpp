@@ -46,7 +46,8 @@ Plane plane_of(const PixelRect& pixels, std::span<const float> values, std::size
     return plane;
 }
 
-// Means over squares of 2 `radius` + 1, of their pixels that `plane` has. Each is added up in the same order, wherever the plane begins.
+// Means over squares of 2 `radius` + 1, of their pixels that `plane` has. Each is added up in the same order, wherever the plane
+// begins.
 Plane means_around(const Plane& plane, const PixelRect& wanted, std::int64_t radius) {
     const PixelRect& all = plane.pixels();
     const PixelRect rows = intersection({wanted.x0, wanted.y0 - radius, wanted.x1, wanted.y1 + radius}, all);

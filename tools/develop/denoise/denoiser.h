@@ -27,8 +27,9 @@ struct DenoisedValues {
 // Pixels around one that it may depend on, in each direction.
 inline constexpr std::int64_t kDenoiseReach = 8;
 
-// `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way. `held` must
-// hold all pixels of the picture within kDenoiseReach of `wanted`. `amount`: of the denoised picture (0..1]; the rest is the noisy one.
+// `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way. `held`
+// must hold all pixels of the picture within kDenoiseReach of `wanted`. `amount`: of the denoised picture (0..1]; the rest is the
+// noisy one.
 std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
                            const PixelRect& wanted);
 

@@ -137,9 +137,8 @@ void add_surface(const sampledb::Job& job, Layers& layers) {
 }
 
 PixelRect read_by_denoiser(const PixelRect& crop, const Size& size) {
-    return intersection(
-        {crop.x0 - kDenoiseReach, crop.y0 - kDenoiseReach, crop.x1 + kDenoiseReach, crop.y1 + kDenoiseReach},
-        {0, 0, size.width, size.height});
+    return intersection({crop.x0 - kDenoiseReach, crop.y0 - kDenoiseReach, crop.x1 + kDenoiseReach, crop.y1 + kDenoiseReach},
+                        {0, 0, size.width, size.height});
 }
 
 // About what holds all records at once, with their windows beside them.
