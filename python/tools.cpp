@@ -62,6 +62,7 @@ develop::PictureOptions picture_options(const std::vector<std::string>& paths, c
     options.lens.exposure_follows = get<bool>(given, "exposure_follows");
     options.image = get<std::string>(given, "image");
     options.dim_fireflies = get<bool>(given, "dim_fireflies");
+    options.denoise = get<double>(given, "denoise");
     options.ratio = get<bool>(given, "ratio");
     if (const auto bins = get<std::string>(given, "spectral_bins"); !bins.empty())
         options.spectral_bins = parsed(develop::parse_spectral_bins, bins);

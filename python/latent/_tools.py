@@ -58,7 +58,7 @@ def develop(*paths: Path, **options: Any) -> np.ndarray:
     camera_xyz: X, Y, Z of a camera. raw_balance: False for channels of a camera with one scale. lens_filter: such as "wratten-25".
     filter_factor: a factor of the exposure, or "auto". lights: such as ["lamp=2.5"]. aperture, shutter: such as "0.35,blades:6" and
     "0.2:0.5", of files rendered with --aov lens,time. exposure_follows: these darken the picture. focus: a distance, or
-    (x, y), a pixel that is to be sharp. dim_fireflies: dims specks of light.
+    (x, y), a pixel that is to be sharp. dim_fireflies: dims specks of light. denoise: the share of noise to remove, from 0 to 1.
     image: "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few wavelengths. spectral_bins: their
     number, or "FROM:TO:STEP" in nm. samples: (first, end). job: 32 hexadecimal digits, if folders hold several. skip_duplicates:
     files may hold the same samples. memory: bytes to work in, beside the picture's own; default: 1 GiB, at most half of what may be
@@ -95,6 +95,7 @@ def _develop(
     filter_factor: Union[float, str] = 1,
     lights: Sequence[str] = (),
     dim_fireflies: bool = False,
+    denoise: float = 0,
     aperture: str = "",
     shutter: str = "",
     exposure_follows: bool = False,
@@ -119,13 +120,15 @@ def _develop(
         raise ValueError(f"filter_factor: {_arguments.shown(filter_factor)} is not above 0, or 'auto'")
     if not isinstance(spectral_bins, str):
         spectral_bins = str(_arguments.whole("spectral_bins", spectral_bins, 1))
+    if not 0 <= _arguments.real("denoise", denoise) <= 1:
+        raise ValueError(f"denoise: {_arguments.shown(denoise)} is not from 0 to 1")
     options = {
         "size": _arguments.optional(_size, "size", size) or "",
         "crop": _arguments.optional(_crop, "crop", crop), "filter": _arguments.text("filter", filter),
         "observer": b"" if observer == "" else _arguments.path("observer", observer), "camera_xyz": _arguments.flag("camera_xyz", camera_xyz),
         "raw_balance": _arguments.flag("raw_balance", raw_balance), "lens_filter": _arguments.text("lens_filter", lens_filter),
         "filter_factor": float(filter_factor), "lights": _arguments.texts("lights", lights),
-        "dim_fireflies": _arguments.flag("dim_fireflies", dim_fireflies),
+        "dim_fireflies": _arguments.flag("dim_fireflies", dim_fireflies), "denoise": float(denoise),
         "aperture": _arguments.text("aperture", aperture), "shutter": _arguments.text("shutter", shutter),
         "exposure_follows": _arguments.flag("exposure_follows", exposure_follows), "focus": _focus(focus),
         "image": _arguments.choice("image", image, ["both", "camera", "light"]), "ratio": estimator == "ratio",

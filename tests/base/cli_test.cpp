@@ -46,7 +46,7 @@ TEST(Cli, AnOptionOfOtherProgramsNamesWhatServesHere) {
     EXPECT_EXIT(parse_with("--exposure"), ::testing::ExitedWithCode(kUsage),
                 "^tool: unknown argument --exposure: [^\n]*--sensitivity[^\n]*; see --help\n$");
     EXPECT_EXIT(parse_with("--denoise"), ::testing::ExitedWithCode(kUsage),
-                "^tool: unknown argument --denoise: there is no denoiser[^\n]*; see --help\n$");
+                "^tool: unknown argument --denoise: noise is removed by latent-develop --denoise[^\n]*; see --help\n$");
     EXPECT_EXIT(parse_with("--temperature=5000"), ::testing::ExitedWithCode(kUsage), "--white 5200K[^\n]*; see --help\n$");
 }
 

@@ -55,7 +55,7 @@ DEVELOPING = {
     "crop": PAIR + [(0, 0, 1), (0, 0, 0, 0), (0, 0, 9, 9), (-1, 0, 2, 2), (3, 3, 2, 2), (0, 0, 1.5, 2), (0, 0, 2**70, 1), (NAN,) * 4, "abcd"],
     "filter": TEXT + ["nonesuch", "box:", "quartic:nan"], "observer": [path for path in PATHS if path not in ("", b"")] + ["nonesuch", "absent.csv"],
     "camera_xyz": FLAGS + [True], "raw_balance": FLAGS + [False], "lens_filter": TEXT + ["nonesuch"],
-    "filter_factor": REAL + [0, -1, "automatic", 2.0], "lights": TEXTS + [["lamp=2"]], "dim_fireflies": FLAGS,
+    "filter_factor": REAL + [0, -1, "automatic", 2.0], "lights": TEXTS + [["lamp=2"]], "dim_fireflies": FLAGS, "denoise": REAL + [-0.1, 1.1, NAN],
     "aperture": TEXT + ["nonesuch", "2", "0.5"], "shutter": TEXT + ["nonesuch:", "0.2:0.5"], "exposure_follows": FLAGS,
     "focus": [value for value in REAL if value is not None] + [0, -1, 2.0, (1.0,), (1.0, 2.0), (1, 2, 3), (0, None)],
     "image": TEXT + ["", "none", ["both"]], "estimator": TEXT + ["", "mean", "ratio"],

@@ -205,6 +205,11 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
                  "also store the picture of each half of the samples; their difference shows the noise");
     app.add_flag("--dim-fireflies", options.dim_fireflies,
                  "dim samples that are far brighter than all others around them; the report gives the light that is lost");
+    app.add_flag("--denoise{1}", options.denoise,
+                 "remove noise, with the help of the layers albedo, normal and depth if the files have them; --denoise=0.5 removes "
+                 "half of it")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("0..1");
     cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
     app.add_option("--simd", options.simd, "instruction set; does not affect pixels")
         ->capture_default_str()

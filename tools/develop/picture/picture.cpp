@@ -12,12 +12,14 @@
 #include "base/parse.h"
 #include "base/stopwatch.h"
 #include "color/rgb_space.h"
+#include "tools/develop/channels/aov_columns.h"
 #include "tools/develop/engine/subset.h"
 #include "tools/develop/forecast/estimate.h"
 #include "tools/develop/kernel/splat.h"
 #include "tools/develop/lens/lens_columns.h"
 #include "tools/develop/lens/recorded_lens.h"
 #include "tools/develop/lens/refocused.h"
+#include "tools/develop/picture/denoised_picture.h"
 #include "tools/develop/picture/exr_picture.h"
 
 namespace latent::develop {
@@ -48,18 +50,19 @@ std::string lens_text(const PictureOptions& options) {
     return fmt::format("{}{}focus {:.6g}", chosen, chosen.empty() ? "" : "; ", options.focus->distance);
 }
 
-image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& report, const sampledb::Job& job,
-                            const ChosenObserver& chosen, const RowLayout& layout) {
+image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& report, const PixelRect& crop,
+                            const sampledb::Job& job, const ChosenObserver& chosen, const RowLayout& layout) {
     image::ExrTileSpec spec;
     spec.display_width = static_cast<int>(report.width);
     spec.display_height = static_cast<int>(report.height);
-    spec.x0 = static_cast<int>(report.crop.x0), spec.y0 = static_cast<int>(report.crop.y0);
-    spec.x1 = static_cast<int>(report.crop.x1), spec.y1 = static_cast<int>(report.crop.y1);
+    spec.x0 = static_cast<int>(crop.x0), spec.y0 = static_cast<int>(crop.y0);
+    spec.x1 = static_cast<int>(crop.x1), spec.y1 = static_cast<int>(crop.y1);
     spec.zip = options.zip;
     spec.mipmap = options.mipmap;
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
     if (options.dim_fireflies) spec.strings.push_back({"latentFireflies", "dimmed"});
+    if (options.denoise > 0) spec.strings.push_back({"latentDenoise", fmt::format("{:g}", options.denoise)});
     if (!options.lens.is_whole()) spec.strings.push_back({"latentLens", lens_text(options)});
     if (options.ratio) spec.strings.push_back({"latentEstimator", "ratio"});
     if (options.spectral_bins.count > 0) {
@@ -122,6 +125,20 @@ Error nothing_to_develop(sampledb::RunSetOptions options) {
     for (const sampledb::LeftOut& item : (*all)->report().left_out)
         message += fmt::format("; left out: {}: {}", item.place, item.reason);
     return {ErrorCode::kOutOfRange, message};
+}
+
+// What is seen beside light, as far as the files know it.
+void add_surface(const sampledb::Job& job, Layers& layers) {
+    for (bool Layers::*layer : {&Layers::albedo, &Layers::normal, &Layers::depth}) {
+        Layers alone;
+        alone.*layer = true;
+        if (AovColumns::find(job, alone)) layers.*layer = true;
+    }
+}
+
+PixelRect read_by_denoiser(const PixelRect& crop, const Size& size) {
+    return intersection({crop.x0 - kDenoiseReach, crop.y0 - kDenoiseReach, crop.x1 + kDenoiseReach, crop.y1 + kDenoiseReach},
+                        {0, 0, size.width, size.height});
 }
 
 // About what holds all records at once, with their windows beside them.
@@ -188,6 +205,10 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     if (!channels) return channels.error();
     Layers layers = options.layers;
     layers.samples = options.dim_fireflies;
+    if (options.denoise > 0) {
+        layers.halves = true;
+        add_surface(job, layers);
+    }
     if (Status s = channels->add_layers(job, layers); !s) return s.error();
     if (Status s = channels->weigh(job, options.lens); !s) return s.error();
     if (channels->lens()) report.lens = {channels->lens()->mean(), channels->lens()->kept()};
@@ -214,7 +235,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     Settings settings;
     settings.width = size->width;
     settings.height = size->height;
-    settings.crop = *crop;
+    settings.crop = options.denoise > 0 ? read_by_denoiser(*crop, *size) : *crop;
     settings.filter = *filter;
     settings.camera = options.image != "light";
     settings.light = options.image != "camera";
@@ -225,10 +246,12 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     settings.memory = options.memory - std::min(options.memory, taken);
     settings.temporary_folder = options.output.empty() ? std::filesystem::temp_directory_path() : folder_of(options.output);
 
-    report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) *
-                        static_cast<std::uint64_t>(channels->layout().outputs()) * sizeof(float) * (options.mipmap ? 4 : 3) / 3;
+    RowLayout stored = channels->layout();
+    stored.layers = options.layers;
+    report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) * static_cast<std::uint64_t>(stored.outputs()) *
+                        sizeof(float) * (options.mipmap ? 4 : 3) / 3;
     report.memory_for_all = memory_for_all(run_set, *channels);
-    image::ExrTileSpec spec = exr_spec(options, report, job, *chosen, channels->layout());
+    image::ExrTileSpec spec = exr_spec(options, report, settings.crop, job, *chosen, channels->layout());
     return Preparation{std::move(report), *std::move(channels), std::move(settings), std::move(spec), waiting_for_mipmap};
 }
 
@@ -241,14 +264,21 @@ Result<PictureReport> develop_prepared(const PictureOptions& options, const samp
     if (publish && !options.ignore_space && !options.output.empty()) {
         if (Status s = check_space(options.output, options.replace, report.file_bytes); !s) return s.error();
     }
-    if (Status s = sink.begin(prepared->spec, prepared->waiting_for_mipmap); !s) return s.error();
+    std::optional<DenoisedPicture> denoised;
+    if (options.denoise > 0)
+        denoised.emplace(sink, options.denoise, report.crop, options.layers, prepared->settings.temporary_folder);
+    PictureSink& noisy = denoised ? *denoised : sink;
+    if (Status s = noisy.begin(prepared->spec, prepared->waiting_for_mipmap); !s) return s.error();
     const Stopwatch stopwatch;
+    const Threads threads(options.threads);
     Result<DevelopCounts> counts = DevelopCounts{};
-    Threads(options.threads).run([&] { counts = develop(run_set, prepared->channels, prepared->settings, sink, progress); });
+    threads.run([&] { counts = develop(run_set, prepared->channels, prepared->settings, noisy, progress); });
     if (!counts) return counts.error();
-    if (publish) {
-        if (Status s = sink.finish(); !s) return s.error();
-    }
+    Status done;
+    if (denoised) threads.run([&] { done = denoised->denoise(); });
+    if (done && publish) done = sink.finish();
+    if (!done) return done.error();
+    if (denoised) counts->temporary_bytes += denoised->bytes_on_disk();
     report.counts = *counts;
     report.bytes_read = run_set.bytes_read();
     report.seconds = stopwatch.seconds();

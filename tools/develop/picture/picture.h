@@ -35,6 +35,7 @@ struct PictureOptions {
     SpectralBins spectral_bins;  // none: XYZ
     Layers layers;
     bool dim_fireflies = false;
+    double denoise = 0;  // share of the denoised picture (0..1]; 0: none
     bool ratio = false;  // the ratio estimator
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     bool ignore_space = false;  // begin even if the file is not expected to fit on the disk

@@ -1,0 +1,201 @@
+// Denoised pixels are means over neighbours that the samples cannot tell apart; what they can tell apart stays apart.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/faults/process.h"
+#include "tests/support/synthetic.h"
+#include "tools/develop/denoise/denoiser.h"
+#include "tools/develop/picture/picture.h"
+#include "tools/develop/picture/pixel_array.h"
+
+namespace latent::develop {
+namespace {
+
+using latent::testing::TemporaryFolder;
+using sampledb::Coverage;
+using sampledb::Job;
+using sampledb::SampleRange;
+
+constexpr int kSide = 64;
+constexpr PixelRect kAll{0, 0, kSide, kSide};
+constexpr double kSigma = 0.1;
+const std::vector<std::string> kNames = {"R", "variance.R", "half0.R", "half1.R", "albedo.R", "albedo.G", "albedo.B"};
+
+struct Pixel {
+    float value, albedo;
+};
+
+// Pixels whose halves have normal noise, so that their mean has the standard error kSigma.
+template <class At>
+std::vector<float> noisy(const At& at, unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> noise(0, static_cast<float>(kSigma * std::sqrt(2.0)));
+    std::vector<float> pixels;
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+            const Pixel pixel = at(x, y);
+            const float half0 = pixel.value + noise(random), half1 = pixel.value + noise(random);
+            pixels.insert(pixels.end(), {(half0 + half1) / 2, 0, half0, half1, pixel.albedo, pixel.albedo, pixel.albedo});
+        }
+    }
+    return pixels;
+}
+
+struct Statistics {
+    double mean = 0, square = 0, said = 0;  // of errors, of their squares, of the variance layer
+};
+// Of pixels of some columns, over several pictures.
+template <class At>
+Statistics errors(const At& at, int x0, int x1, double amount = 1) {
+    constexpr int kPictures = 8;
+    Statistics sums;
+    for (unsigned seed = 1; seed <= kPictures; ++seed) {
+        const std::vector<float> out = denoise(DenoisedValues::find(kNames), amount, kAll, noisy(at, seed), kAll);
+        for (int y = 0; y < kSide; ++y) {
+            for (int x = x0; x < x1; ++x) {
+                const float* const pixel = out.data() + static_cast<std::size_t>(y * kSide + x) * kNames.size();
+                const double error = static_cast<double>(pixel[0] - at(x, y).value);
+                sums.mean += error, sums.square += error * error, sums.said += static_cast<double>(pixel[1]);
+            }
+        }
+    }
+    const double count = kPictures * kSide * (x1 - x0);
+    return {sums.mean / count, sums.square / count, sums.said / count};
+}
+
+TEST(Denoise, NoiseOfAPlainSurfaceFallsAndItsMeanStays) {
+    const Statistics plain = errors([](int, int) { return Pixel{1, 0.5f}; }, 0, kSide);
+    EXPECT_LT(plain.square, kSigma * kSigma / 16);
+    EXPECT_GT(plain.square, kSigma * kSigma / 97);  // there are 97 neighbours
+    // Neighbours are chosen by the noise that they are averaged with, so there is more than the layer says.
+    EXPECT_GT(plain.said, plain.square / 3);
+    EXPECT_LT(plain.said, plain.square);
+    // 4 standard errors: means over pictures of 64 x 64 pixels are independent of what the denoiser does, but for its weights.
+    EXPECT_LT(std::abs(plain.mean), 4 * kSigma / std::sqrt(8.0 * kSide * kSide));
+}
+
+TEST(Denoise, WhatDiffersByManyStandardErrorsStaysApart) {
+    for (const double step : {6 * kSigma, 20 * kSigma}) {
+        const auto edge = [&](int x, int) { return Pixel{x < kSide / 2 ? 1.0f : static_cast<float>(1 + step), 0.5f}; };
+        const Statistics beside = errors(edge, kSide / 2 - 1, kSide / 2 + 1), left = errors(edge, kSide / 2 - 1, kSide / 2);
+        EXPECT_LT(beside.square, kSigma * kSigma / 4) << step;  // there, half of the neighbours are left
+        EXPECT_LT(std::abs(left.mean), 0.01 * step) << step;
+    }
+}
+
+TEST(Denoise, SurfacesStayApartWhereLightAloneDoesNotTell) {
+    const auto faint = [](bool seen) {
+        return [seen](int x, int) { return Pixel{x < kSide / 2 ? 1.0f : 1.05f, seen && x >= kSide / 2 ? 0.8f : 0.5f}; };
+    };
+    const double blurred = errors(faint(false), kSide / 2 - 2, kSide / 2).mean,
+                 sharp = errors(faint(true), kSide / 2 - 2, kSide / 2).mean;
+    EXPECT_GT(blurred, 0.01);  // a fifth of the step or more crosses the edge
+    EXPECT_LT(std::abs(sharp), blurred / 4);
+}
+
+TEST(Denoise, AnAmountIsAMixWithTheNoisyPicture) {
+    const std::vector<float> pixels = noisy([](int x, int) { return Pixel{1 + 0.01f * static_cast<float>(x), 0.5f}; }, 3);
+    const DenoisedValues values = DenoisedValues::find(kNames);
+    const std::vector<float> all = denoise(values, 1, kAll, pixels, kAll), half = denoise(values, 0.5, kAll, pixels, kAll);
+    for (std::size_t i = 0; i < all.size(); i += kNames.size()) ASSERT_NEAR(half[i], (all[i] + pixels[i]) / 2, 1e-6) << i;
+}
+
+TEST(Denoise, APixelDependsOnThoseWithinReachAlone) {
+    const std::vector<float> pixels = noisy(
+        [](int x, int y) {
+            return Pixel{1 + 0.1f * static_cast<float>((x ^ y) & 8), 0.5f};
+        },
+        4);
+    const DenoisedValues values = DenoisedValues::find(kNames);
+    const std::vector<float> all = denoise(values, 1, kAll, pixels, kAll);
+    for (const PixelRect& wanted : {PixelRect{20, 25, 21, 26}, PixelRect{0, 40, 9, 64}, PixelRect{13, 0, 64, 3}}) {
+        const PixelRect held = intersection(
+            {wanted.x0 - kDenoiseReach, wanted.y0 - kDenoiseReach, wanted.x1 + kDenoiseReach, wanted.y1 + kDenoiseReach}, kAll);
+        const auto part_of = [&](const std::vector<float>& from, const PixelRect& part) {
+            std::vector<float> out;
+            for (std::int64_t y = part.y0; y < part.y1; ++y) {
+                const auto row = from.begin() + (y * kSide + part.x0) * static_cast<std::int64_t>(kNames.size());
+                out.insert(out.end(), row, row + part.width() * static_cast<std::int64_t>(kNames.size()));
+            }
+            return out;
+        };
+        EXPECT_EQ(denoise(values, 1, held, part_of(pixels, held), wanted), part_of(all, wanted));
+    }
+}
+
+class DenoisedFile : public ::testing::Test {
+ protected:
+    static constexpr std::uint32_t kWidth = 300;
+
+    DenoisedFile() {
+        Job job = synthetic::make_short_job();
+        job.extra = {{"normal.x", sampledb::ColumnType::kF32},
+                     {"normal.y", sampledb::ColumnType::kF32},
+                     {"normal.z", sampledb::ColumnType::kF32},
+                     {"depth", sampledb::ColumnType::kF32}};
+        write("with.latent", job);
+        job.extra.clear();
+        write("without.latent", job);
+        options_.size = std::to_string(kWidth);
+        options_.denoise = 1;
+    }
+    void write(const std::string& name, const Job& job) {
+        std::vector<Coverage> runs;
+        for (std::uint64_t i = 0; i < 60; ++i)
+            runs.emplace_back(SampleRange{i * synthetic::kShortRun, (i + 1) * synthetic::kShortRun});
+        synthetic::write_file(folder_ / name, synthetic::make_file(job, runs).bytes);
+    }
+    PixelArray develop(const std::string& name, const PictureOptions& options) const {
+        PictureOptions all = options;
+        all.inputs = {folder_ / name};
+        PixelArray picture;
+        const Result<PictureReport> report = develop_picture(all, picture, {});
+        EXPECT_TRUE(report) << report.error().message;
+        return picture;
+    }
+
+    TemporaryFolder folder_;
+    PictureOptions options_;
+};
+
+TEST_F(DenoisedFile, ACropIsAPartOfTheWholeForAnyThreadsAndMemory) {
+    for (const char* name : {"with.latent", "without.latent"}) {
+        const PixelArray whole = develop(name, options_);
+        EXPECT_EQ(whole.channels(), (std::vector<std::string>{"R", "G", "B"}));
+        PictureOptions options = options_;
+        options.crop = PixelRect{3, 70, 290, 141};
+        options.threads = 1;
+        options.memory = 48 << 20;
+        const PixelArray crop = develop(name, options);
+        ASSERT_EQ(crop.width(), 287u);
+        for (std::size_t y = 0; y < crop.height(); ++y) {
+            const std::size_t row = ((y + 70) * kWidth + 3) * 3;
+            ASSERT_TRUE(std::equal(crop.pixels().begin() + static_cast<std::ptrdiff_t>(y * crop.width() * 3),
+                                   crop.pixels().begin() + static_cast<std::ptrdiff_t>((y + 1) * crop.width() * 3),
+                                   whole.pixels().begin() + static_cast<std::ptrdiff_t>(row)))
+                << name << " " << y;
+        }
+    }
+}
+
+TEST_F(DenoisedFile, LayersThatWereAskedForAreThoseOfTheNoisyPicture) {
+    options_.layers.halves = options_.layers.depth = options_.layers.variance = true;
+    const PixelArray denoised = develop("with.latent", options_);
+    options_.denoise = 0;
+    const PixelArray noisy = develop("with.latent", options_);
+    ASSERT_EQ(denoised.channels(), noisy.channels());
+    const std::size_t channels = noisy.channels().size();
+    for (std::size_t i = 0; i < noisy.pixels().size(); ++i) {
+        const std::string& channel = noisy.channels()[i % channels];
+        if (channel.starts_with("half") || channel == "Z") {
+            ASSERT_EQ(denoised.pixels()[i], noisy.pixels()[i]) << channel;
+        } else if (channel.starts_with("variance.")) {
+            ASSERT_GE(denoised.pixels()[i], 0);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace latent::develop

@@ -1,0 +1,252 @@
+#include "tools/develop/denoise/denoiser.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace latent::develop {
+
+namespace {
+
+constexpr std::int64_t kRadius = 5;          // of neighbours
+constexpr std::int64_t kPatch = 1;           // of what is compared around a pixel and its neighbour
+constexpr std::int64_t kVarianceRadius = 2;  // of what a variance is measured in
+static_assert(kDenoiseReach == kRadius + kPatch + kVarianceRadius);
+
+constexpr float kBeyond = 1.5f;                                  // squares of differences count down to 0 over so many variances
+constexpr float kNormal = 0.2f, kDepth = 0.04f, kAlbedo = 0.1f;  // differences of surfaces: of depth, relative and per pixel
+constexpr float kSquares = 6;                                    // of these, where weights end
+
+// Numbers of a rectangle of pixels.
+class Plane {
+ public:
+    explicit Plane(const PixelRect& pixels, float value = 0)
+        : pixels_(pixels), values_(static_cast<std::size_t>(pixels.width() * pixels.height()), value) {}
+    // So that row(y)[x] is that of pixel (x, y).
+    float* row(std::int64_t y) { return values_.data() + (y - pixels_.y0) * pixels_.width() - pixels_.x0; }
+    const float* row(std::int64_t y) const { return values_.data() + (y - pixels_.y0) * pixels_.width() - pixels_.x0; }
+    const PixelRect& pixels() const { return pixels_; }
+
+ private:
+    PixelRect pixels_;
+    std::vector<float> values_;
+};
+
+PixelRect grown(const PixelRect& r, std::int64_t by) { return {r.x0 - by, r.y0 - by, r.x1 + by, r.y1 + by}; }
+PixelRect moved(const PixelRect& r, std::int64_t x, std::int64_t y) { return {r.x0 + x, r.y0 + y, r.x1 + x, r.y1 + y}; }
+
+template <class Value>  // of the values of a pixel
+Plane plane_of(const PixelRect& pixels, std::span<const float> values, std::size_t outputs, const Value& value) {
+    Plane plane(pixels);
+    const float* at = values.data();
+    for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
+        float* const row = plane.row(y);
+        for (std::int64_t x = pixels.x0; x < pixels.x1; ++x, at += outputs) row[x] = value(at);
+    }
+    return plane;
+}
+
+// Means over squares of 2 `radius` + 1, of their pixels that `plane` has. Each is added up in the same order, wherever the plane
+// begins.
+Plane means_around(const Plane& plane, const PixelRect& wanted, std::int64_t radius) {
+    const PixelRect& all = plane.pixels();
+    const PixelRect rows = intersection({wanted.x0, wanted.y0 - radius, wanted.x1, wanted.y1 + radius}, all);
+    Plane across(rows), means(wanted);
+    for (std::int64_t y = rows.y0; y < rows.y1; ++y) {
+        const float* const from = plane.row(y);
+        float* const to = across.row(y);
+        for (std::int64_t d = -radius; d <= radius; ++d) {
+            for (std::int64_t x = std::max(rows.x0, all.x0 - d); x < std::min(rows.x1, all.x1 - d); ++x) to[x] += from[x + d];
+        }
+    }
+    for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
+        float* const to = means.row(y);
+        const std::int64_t first = std::max(y - radius, rows.y0), end = std::min(y + radius + 1, rows.y1);
+        for (std::int64_t other = first; other < end; ++other) {
+            const float* const from = across.row(other);
+            for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) to[x] += from[x];
+        }
+        for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) {
+            const std::int64_t columns = std::min(x + radius + 1, all.x1) - std::max(x - radius, all.x0);
+            to[x] /= static_cast<float>(columns * (end - first));
+        }
+    }
+    return means;
+}
+
+// From 1 at 0 to 0 at 1.
+float falling(float x) {
+    const float left = std::max(0.0f, 1 - x);
+    return left * left;
+}
+
+struct Channel {
+    Plane value, variance;
+    Plane sum, variance_sum;  // of neighbours, with their weights and the squares of these
+};
+
+class Denoiser {
+ public:
+    Denoiser(const DenoisedValues& values, const PixelRect& held, std::span<const float> pixels, const PixelRect& wanted)
+        : held_(held), wanted_(wanted), weights_(wanted, 1) {
+        const auto plane = [&](std::size_t place) {
+            return plane_of(held, pixels, values.outputs, [place](const float* pixel) {
+                return std::isfinite(pixel[place]) ? pixel[place] : 0.0f;  // the depth of what is infinitely far
+            });
+        };
+        const PixelRect compared = intersection(grown(wanted, kRadius + kPatch), held);
+        for (std::size_t c = 0; c < values.channels; ++c) {
+            const Plane squares = plane_of(held, pixels, values.outputs, [&, c](const float* pixel) {
+                const float error = (pixel[values.half0 + c] - pixel[values.half1 + c]) * 0.5f;
+                return error * error;
+            });
+            channels_.push_back({plane(c), means_around(squares, compared, kVarianceRadius), Plane(wanted), Plane(wanted)});
+            Channel& channel = channels_.back();
+            for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
+                std::copy(channel.value.row(y) + wanted.x0, channel.value.row(y) + wanted.x1, channel.sum.row(y) + wanted.x0);
+            }
+        }
+        const auto add = [&](const std::optional<std::size_t>& first, std::vector<Plane>& planes) {
+            for (std::size_t i = 0; first && i < 3; ++i) planes.push_back(plane(*first + i));
+        };
+        add(values.albedo, albedo_);
+        add(values.normal, normal_);
+        if (values.depth) depth_.push_back(plane(*values.depth));
+        for (std::int64_t dy = -kRadius; dy <= kRadius; ++dy) {
+            for (std::int64_t dx = -kRadius; dx <= kRadius; ++dx) {
+                const std::int64_t square = dx * dx + dy * dy;
+                if (square > 0 && square <= kRadius * (kRadius + 1)) add_neighbours(dx, dy);
+            }
+        }
+    }
+
+    // Of pixel (x, y): what remains of its own channels is 1 - amount.
+    float value(std::size_t c, std::int64_t x, std::int64_t y, float amount) const {
+        const Channel& channel = channels_[c];
+        return amount * (channel.sum.row(y)[x] / weights_.row(y)[x]) + (1 - amount) * channel.value.row(y)[x];
+    }
+    float variance(std::size_t c, std::int64_t x, std::int64_t y, float amount) const {
+        const Channel& channel = channels_[c];
+        const float each = amount / weights_.row(y)[x], own = each + 1 - amount;
+        return each * each * channel.variance_sum.row(y)[x] + own * own * channel.variance.row(y)[x];
+    }
+
+ private:
+    void add_neighbours(std::int64_t dx, std::int64_t dy);
+    void weigh_surfaces(std::int64_t dx, std::int64_t dy, const PixelRect& pairs, Plane& weights) const;
+
+    PixelRect held_, wanted_;
+    std::vector<Channel> channels_;
+    std::vector<Plane> albedo_, normal_, depth_;  // three, three, one; or none
+    Plane weights_;                               // sums; a pixel's own is 1
+};
+
+// [Welch47]: the difference of two means over its standard error, squared; its mean over the channels and over a patch around both.
+void Denoiser::add_neighbours(std::int64_t dx, std::int64_t dy) {
+    const PixelRect both = intersection(held_, moved(held_, -dx, -dy));  // where the neighbour is in the picture, too
+    const PixelRect pairs = intersection(wanted_, both), around = intersection(grown(pairs, kPatch), both);
+    if (pairs.empty()) return;
+    Plane squares(around);
+    const float share = 1 / static_cast<float>(channels_.size());
+    for (const Channel& channel : channels_) {
+        for (std::int64_t y = around.y0; y < around.y1; ++y) {
+            const float *const a = channel.value.row(y), *const b = channel.value.row(y + dy) + dx,
+                               *const v = channel.variance.row(y), *const w = channel.variance.row(y + dy) + dx;
+            float* const to = squares.row(y);
+            for (std::int64_t x = around.x0; x < around.x1; ++x)
+                to[x] += share * ((a[x] - b[x]) * (a[x] - b[x]) / (v[x] + w[x] + 1e-30f));
+        }
+    }
+    Plane weights = means_around(squares, pairs, kPatch);
+    for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
+        float* const weight = weights.row(y);
+        for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) weight[x] = falling(std::max(0.0f, weight[x] - 1) * (1 / kBeyond));
+    }
+    weigh_surfaces(dx, dy, pairs, weights);
+    for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
+        const float* const weight = weights.row(y);
+        float* const sum = weights_.row(y);
+        for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) sum[x] += weight[x];
+        for (Channel& channel : channels_) {
+            const float *const b = channel.value.row(y + dy) + dx, *const w = channel.variance.row(y + dy) + dx;
+            float *const to = channel.sum.row(y), *const variance = channel.variance_sum.row(y);
+            for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) {
+                to[x] += weight[x] * b[x];
+                variance[x] += weight[x] * weight[x] * w[x];
+            }
+        }
+    }
+}
+
+void Denoiser::weigh_surfaces(std::int64_t dx, std::int64_t dy, const PixelRect& pairs, Plane& weights) const {
+    const auto weigh_vectors = [&](const std::vector<Plane>& planes, float width) {
+        if (planes.empty()) return;
+        const float scale = 1 / (kSquares * width * width);
+        for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
+            float* const weight = weights.row(y);
+            const float *const a0 = planes[0].row(y), *const a1 = planes[1].row(y), *const a2 = planes[2].row(y);
+            const float *const b0 = planes[0].row(y + dy) + dx, *const b1 = planes[1].row(y + dy) + dx,
+                               *const b2 = planes[2].row(y + dy) + dx;
+            for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) {
+                const float d0 = a0[x] - b0[x], d1 = a1[x] - b1[x], d2 = a2[x] - b2[x];
+                weight[x] *= falling((d0 * d0 + d1 * d1 + d2 * d2) * scale);
+            }
+        }
+    };
+    weigh_vectors(albedo_, kAlbedo);
+    weigh_vectors(normal_, kNormal);
+    if (depth_.empty()) return;
+    const float scale = 1 / (kSquares * kDepth * kDepth * static_cast<float>(dx * dx + dy * dy));
+    for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
+        float* const weight = weights.row(y);
+        const float *const a = depth_[0].row(y), *const b = depth_[0].row(y + dy) + dx;
+        for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) {
+            const float difference = a[x] - b[x], depth = std::max(a[x], b[x]);
+            weight[x] *= falling(difference * difference * scale / (depth * depth + 1e-30f));
+        }
+    }
+}
+
+}  // namespace
+
+DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
+    DenoisedValues values;
+    values.outputs = names.size();
+    const auto place = [&](const std::string& name) -> std::optional<std::size_t> {
+        const auto at = std::ranges::find(names, name);
+        if (at == names.end()) return std::nullopt;
+        return static_cast<std::size_t>(at - names.begin());
+    };
+    const std::optional<std::size_t> half0 = place("half0." + names.front()), half1 = place("half1." + names.front());
+    assert(half0 && half1);
+    values.half0 = *half0, values.half1 = *half1;
+    values.channels = *half1 - *half0;
+    values.albedo = place("albedo.R");
+    values.normal = place("N.X");
+    values.depth = place("Z");
+    values.variance = place("variance." + names.front());
+    return values;
+}
+
+std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
+                           const PixelRect& wanted) {
+    const Denoiser denoiser(values, held, pixels, wanted);
+    const auto share = static_cast<float>(amount);
+    std::vector<float> out;
+    out.reserve(static_cast<std::size_t>(wanted.width() * wanted.height()) * values.outputs);
+    for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
+        for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) {
+            const auto first = static_cast<std::size_t>((y - held.y0) * held.width() + x - held.x0) * values.outputs;
+            out.insert(out.end(), pixels.begin() + static_cast<std::ptrdiff_t>(first),
+                       pixels.begin() + static_cast<std::ptrdiff_t>(first + values.outputs));
+            float* const pixel = out.data() + out.size() - values.outputs;
+            for (std::size_t c = 0; c < values.channels; ++c) {
+                pixel[c] = denoiser.value(c, x, y, share);
+                if (values.variance) pixel[*values.variance + c] = denoiser.variance(c, x, y, share);
+            }
+        }
+    }
+    return out;
+}
+
+}  // namespace latent::develop

@@ -1,0 +1,36 @@
+// tools/develop/denoise/denoiser.h: a pixel becomes a mean over the pixels around it whose samples could be of the same light.
+// docs/developing.md, "Denoising".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/develop/film/film_grid.h"
+
+namespace latent::develop {
+
+// Where things stand among the values of a pixel: the first of each.
+struct DenoisedValues {
+    std::size_t outputs = 0, channels = 0;
+    std::size_t half0 = 0, half1 = 0;
+    std::optional<std::size_t> albedo{}, normal{}, depth{};  // three, three and one
+    std::optional<std::size_t> variance{};                   // becomes that of the denoised picture
+
+    // From the names that RowLayout gives; those of the channels come first.
+    static DenoisedValues find(const std::vector<std::string>& names);
+};
+
+// Pixels around one that it may depend on, in each direction.
+inline constexpr std::int64_t kDenoiseReach = 8;
+
+// `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way. `held`
+// must hold all pixels of the picture within kDenoiseReach of `wanted`. `amount`: of the denoised picture (0..1]; the rest is the
+// noisy one.
+std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
+                           const PixelRect& wanted);
+
+}  // namespace latent::develop
