@@ -265,7 +265,7 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
     }
     read_emission(material, textures, out);
-    out.uv_sets = textures.uv_sets();
+    out.needs = {.uv_sets = textures.uv_sets(), .tangents = normal.exists() || surface.numbers.contains("anisotropy")};
     return out;
 }
 

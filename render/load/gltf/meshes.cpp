@@ -35,22 +35,25 @@ void keep_used_vertices(LoadedMesh& mesh) {
     std::vector<std::uint32_t> moved(mesh.positions.size(), kNone);
     for (const std::uint32_t i : mesh.indices) moved[i] = 0;
     std::uint32_t used = 0;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-        if (moved[i] == kNone) continue;
-        mesh.positions[used] = mesh.positions[i];
-        if (!mesh.normals.empty()) mesh.normals[used] = mesh.normals[i];
-        if (!mesh.uvs.empty()) mesh.uvs[used] = mesh.uvs[i];
-        for (std::vector<Vec2f>& set : mesh.more_uvs) set[used] = set[i];
-        if (!mesh.colors.empty()) mesh.colors[used] = mesh.colors[i];
-        moved[i] = used++;
+    for (std::uint32_t& to : moved) {
+        if (to != kNone) to = used++;
     }
     if (used == moved.size()) return;
-    mesh.positions.resize(used);
+    const auto keep = [&](auto& values) {
+        if (values.empty()) return;
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            if (moved[i] != kNone) values[moved[i]] = values[i];
+        }
+        values.resize(used);
+    };
+    keep(mesh.positions);
     mesh.positions.shrink_to_fit();
-    if (!mesh.normals.empty()) mesh.normals.resize(used);
-    if (!mesh.uvs.empty()) mesh.uvs.resize(used);
-    for (std::vector<Vec2f>& set : mesh.more_uvs) set.resize(used);
-    if (!mesh.colors.empty()) mesh.colors.resize(used);
+    keep(mesh.normals);
+    keep(mesh.tangents);
+    keep(mesh.bitangents);
+    keep(mesh.uvs);
+    for (std::vector<Vec2f>& set : mesh.more_uvs) keep(set);
+    keep(mesh.colors);
     for (std::uint32_t& i : mesh.indices) i = moved[i];
 }
 
@@ -96,7 +99,9 @@ bool morph(const GltfDocument& document, const GltfValue& targets, const std::ve
                 values[i] += Value(Vec3d((*moved)[3 * i], (*moved)[3 * i + 1], (*moved)[3 * i + 2]) * weights[t]);
             return true;
         };
-        if (!add(targets[t]["POSITION"], mesh.positions) || !add(targets[t]["NORMAL"], mesh.normals)) return false;
+        if (!add(targets[t]["POSITION"], mesh.positions) || !add(targets[t]["NORMAL"], mesh.normals) ||
+            !add(targets[t]["TANGENT"], mesh.tangents))
+            return false;
     }
     return true;
 }
@@ -132,13 +137,15 @@ bool skin(const GltfDocument& document, const GltfValue& attributes, const std::
         if (!(sum[i] > 0)) continue;  // it stays where it is
         const Affined m = {map[i].x / sum[i], map[i].y / sum[i], map[i].z / sum[i], map[i].t / sum[i]};
         mesh.positions[i] = m.point(mesh.positions[i]);
+        if (!mesh.tangents.empty()) mesh.tangents[i] = Vec3f(m.vector(Vec3d(mesh.tangents[i])));
         if (!mesh.normals.empty() && m.inverse()) mesh.normals[i] = Vec3f(m.normal(Vec3d(mesh.normals[i])));
     }
     return true;
 }
 
-bool read_vertices(const GltfDocument& document, const GltfValue& primitive, const GltfPose& pose,
-                   const std::vector<std::uint32_t>& uv_sets, LoadedMesh& mesh) {
+bool read_vertices(const GltfDocument& document, const GltfValue& primitive, const GltfPose& pose, const VertexNeeds& needs,
+                   LoadedMesh& mesh) {
+    const std::vector<std::uint32_t>& uv_sets = needs.uv_sets;
     const GltfValue attributes = primitive["attributes"];
     const std::optional<std::vector<float>> p = read_floats(document, attributes["POSITION"], 3);
     if (!p) return false;
@@ -153,12 +160,17 @@ bool read_vertices(const GltfDocument& document, const GltfValue& primitive, con
     };
     const std::vector<float> n = per_vertex(attributes["NORMAL"], 3);
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(n[i], n[i + 1], n[i + 2]);
+    std::vector<float> t;  // x, y, z and the sign of v's direction; they mean nothing without normals
+    if (needs.tangents && !n.empty()) t = per_vertex(attributes["TANGENT"], 4);
+    for (std::size_t i = 0; i < t.size(); i += 4) mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2]);
     if (!morph(document, primitive["targets"], pose.weights, mesh)) return false;
     if (!pose.joints.empty() && !skin(document, attributes, pose.joints, mesh)) return false;
     for (Vec3f& normal : mesh.normals) {
         const float size = length(normal);
         normal = size > 0 ? normal / size : Vec3f{};
     }
+    for (std::size_t i = 0; i < mesh.tangents.size(); ++i)
+        mesh.bitangents.push_back(cross(mesh.normals[i], mesh.tangents[i]) * t[4 * i + 3]);
     const auto coordinates = [&](std::uint32_t set) {
         const std::vector<float> uv = per_vertex(attributes["TEXCOORD_" + std::to_string(set)], 2);
         std::vector<Vec2f> out;
@@ -202,7 +214,7 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         if (!has_positions(document, primitive)) continue;
         GltfPrimitive read;
         read.material = materials.material_of(primitive);
-        if (!read_vertices(document, primitive, pose, materials.uv_sets_of(read.material), read.mesh)) continue;
+        if (!read_vertices(document, primitive, pose, materials.needs_of(read.material), read.mesh)) continue;
         std::vector<std::uint32_t> order;
         if (primitive["indices"].exists()) {
             std::optional<std::vector<std::uint32_t>> indices = read_indices(document, primitive["indices"]);
