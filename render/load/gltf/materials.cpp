@@ -69,10 +69,10 @@ MaterialDescription read_glass(const GltfValue& material, const ModelColors& col
 void tell_of_ignored(const GltfValue& material) {
     if (const GltfValue occlusion = material["occlusionTexture"]; occlusion.exists())
         occlusion.note("is not used: occlusion is computed");
-    const GltfValue volume = material.extension("KHR_materials_volume"), coat = material.extension("KHR_materials_clearcoat");
-    for (const GltfValue& info : {volume["thicknessTexture"], coat["clearcoatNormalTexture"]}) {
-        if (info.exists()) info.warn("is not supported, and is ignored");
-    }
+    if (const GltfValue thick = material.extension("KHR_materials_volume")["thicknessTexture"]; thick.exists())
+        thick.note("is not used: light takes its way through the shape");
+    if (const GltfValue info = material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"]; info.exists())
+        info.warn("is not supported, and is ignored");
 }
 
 // Where its colour is not black.
