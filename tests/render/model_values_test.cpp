@@ -331,6 +331,25 @@ TEST_F(ModelValues, NormalMapsAreScaledAndFollowMirroredCoordinates) {
     }
 }
 
+// A picture, whose left half is glass and whose right half is metal, as exporters write it: with the default factors of 1.
+TEST_F(ModelValues, GlassIsAsRoughAsItsPictureAndMetalIsNone) {
+    testing::write_exr(folder_ / "m.exr", 2, 1, {0, 0.5f, 0, 0, 0.75f, 1});
+    for (const double factor : {1.0, 0.5}) {
+        Square square;
+        square.pbr() = {
+            {"metallicRoughnessTexture", {{"index", square.add_picture("m.exr", {{"magFilter", 9728}, {"minFilter", 9728}})}}}};
+        square.material()["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", factor}}},
+                                           {"KHR_materials_volume", {{"thicknessFactor", 1}}}};
+        SeenValues seen(load(square));
+        EXPECT_EQ(seen.number("amount", 0.2, 0.5), static_cast<float>(factor));
+        EXPECT_EQ(seen.number("amount", 0.8, 0.5), 0);
+        EXPECT_EQ(seen.number_of_part(0, "metallic", 0.8, 0.5), 1);
+        EXPECT_EQ(seen.number_of_part(1, "alpha_x", 0.2, 0.5), 0.25f);
+        EXPECT_EQ(seen.number_of_part(1, "alpha_y", 0.2, 0.5), 0.25f);
+        EXPECT_THAT(warnings_, ::testing::IsEmpty());
+    }
+}
+
 // The square, whose normal map holds (0.5, 0.25, 1), placed by nodes of these scales.
 struct Uneven : Square {
     Uneven(std::size_t normal_map, std::initializer_list<double> tangents, const Json& scales) {

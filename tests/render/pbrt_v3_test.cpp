@@ -124,6 +124,16 @@ TEST_F(PbrtV3, LightsShapesAndTexturesAreThoseOfV4) {
 }
 
 // Cone, paraboloid and hyperboloid lie on their surfaces, and face along dp/du x dp/dv.
+TEST_F(PbrtV3, OnlyTheTransformationEndsWithTransformEnd) {
+    expect_same(
+        "Translate 0 0 1 TransformBegin Scale 2 2 2 TransformBegin Rotate 90 1 0 0 Material \"matte\" \"rgb Kd\" [ .5 .1 .1 ] "
+        "TransformEnd Shape \"sphere\" TransformEnd Shape \"sphere\"",
+        "Translate 0 0 1 Material \"diffuse\" \"rgb reflectance\" [ .5 .1 .1 ] AttributeBegin Scale 2 2 2 Shape \"sphere\" "
+        "AttributeEnd Shape \"sphere\"");
+    EXPECT_THAT(load_scene(folder_.write("end.pbrt", "Film \"image\"\nWorldBegin\nTransformEnd\n")).error().message,
+                HasSubstr("TransformEnd"));
+}
+
 TEST_F(PbrtV3, QuadricsThatV4LacksAreMeshes) {
     const auto mesh = [&](const std::string& shape) {
         const Result<LoadedScene> scene = load_scene(

@@ -185,6 +185,14 @@ bool FromPbrtV3::translate(Directive& d) {
         opacity_ = opacities_.back();
         opacities_.pop_back();
     }
+    // Of the graphics state they keep the transformation alone, where pbrt-v4 keeps all.
+    if (d.name == "TransformBegin") {
+        d.name = "CoordinateSystem";
+        d.strings = {fmt::format("TransformBegin {}", kept_transforms_++)};
+    } else if (d.name == "TransformEnd" && kept_transforms_ > 0) {
+        d.name = "CoordSysTransform";
+        d.strings = {fmt::format("TransformBegin {}", --kept_transforms_)};
+    }
     if (d.name == "Film") film(d);
     if (d.name == "Integrator") integrator(d);
     if (d.name == "Camera" && d.strings[0] == "environment") {

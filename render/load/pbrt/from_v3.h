@@ -47,6 +47,7 @@ class FromPbrtV3 {
     };
     Diagnostics& diagnostics_;
     std::map<std::pair<std::string, std::string>, Known> names_;  // by kind and name
+    int kept_transforms_ = 0;                                     // by TransformBegin
     std::optional<double> opacity_;                               // of the current material
     std::vector<std::optional<double>> opacities_;                // of those that end with a block
 };
