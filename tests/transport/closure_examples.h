@@ -124,12 +124,18 @@ inline std::vector<Example<Dielectric>> examples() {
 template <>
 inline std::vector<Example<ThinDielectric>> examples() {
     return {{.name = "pane", .scatters = ThinDielectric(values().glass, false, 0), .loses_nothing = true},
-            {.name = "tinted pane", .scatters = ThinDielectric(values().varying, true, 9, &values().falling)},
+            {.name = "tinted pane", .scatters = ThinDielectric(values().varying, true, 9, 0, 0, &values().falling)},
             {.name = "dispersive pane", .scatters = ThinDielectric(values().varying, true, 9), .loses_nothing = true},
             {.name = "pane under films",
-             .scatters = ThinDielectric(values().glass, false, 0, nullptr, {.share = 1, .eta = 1.33f, .thickness_nm = 500},
+             .scatters = ThinDielectric(values().glass, false, 0, 0, 0, nullptr, {.share = 1, .eta = 1.33f, .thickness_nm = 500},
                                         &sampled().wavelengths),
-             .loses_nothing = true}};
+             .loses_nothing = true},
+            {.name = "frosted pane", .scatters = ThinDielectric(values().glass, false, 0, 0.3f, 0.3f)},
+            {.name = "pane, alpha 0.5 x 0.2, tinted, dispersive",
+             .scatters = ThinDielectric(values().varying, true, 9, 0.5f, 0.2f, &values().falling)},
+            {.name = "frosted pane under films",
+             .scatters = ThinDielectric(values().glass, false, 0, 0.4f, 0.4f, nullptr,
+                                        {.share = 0.7f, .eta = 2, .thickness_nm = 300}, &sampled().wavelengths)}};
 }
 
 template <>

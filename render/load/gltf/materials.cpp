@@ -51,9 +51,8 @@ MaterialDescription read_glass(const GltfValue& material, const ModelColors& col
     const double dispersion = material.extension("KHR_materials_dispersion")["dispersion"].factor(0, 0, 1e3);
     MaterialDescription glass{.type = is_thin ? "thindielectric" : "dielectric",
                               .spectra = {{"eta", is_thin ? color::Spectrum::constant(index) : index_of(index, dispersion)}}};
-    if (is_thin && (alpha.is_textured() || alpha.value > 0)) material.warn("thin glass is rendered without its roughness");
-    if (is_thin) return glass;
     glass.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
+    if (is_thin) return glass;
     const double distance = volume["attenuationDistance"].factor(0, 0, kNoLimit);
     const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
     if (distance == 0 || std::ranges::min(tint) >= 1) return glass;
@@ -167,7 +166,9 @@ Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, Gl
     const double glossiness = fraction_of(glossy["glossinessFactor"], 1);
     Body body{glossy["diffuseTexture"], glossy["diffuseFactor"].factors(std::array<double, 4>{1, 1, 1, 1}, 0, 1), 1 - glossiness,
               0};
-    const LinearRgb diffuse{body.factor[0], body.factor[1], body.factor[2]};
+    // What the mirror leaves of light for the body, relative to a mirror of index 1.5.
+    const double left = picture.exists() ? 1 : std::min((1 - std::ranges::max(specular)) / (1 - 0.04), 1.0);
+    const LinearRgb diffuse{left * body.factor[0], left * body.factor[1], left * body.factor[2]};
     body.metallic = std::ranges::max(diffuse) == 0 ? 1 : 0;
     surface.numbers["roughness"] = textures.inverted(picture, PictureChannel::kAlpha, glossiness);
     surface.numbers["metallic"] = static_cast<float>(body.metallic);

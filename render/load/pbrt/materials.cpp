@@ -265,8 +265,7 @@ Part passing() {
             if (!is_white) glass.spectra["transmittance"] = base;
             const FloatInput& rough = r.material.numbers.at("roughness");
             if (rough.is_textured()) r.list.error("roughness: of glass must be a number");
-            if (is_thin && rough.value > 0) r.list.warn("roughness: thin glass is rendered without it");
-            if (!is_thin) glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;
+            glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;
             const Reading of_glass{r.list, r.textures, r.files, r.whole, glass};
             index("eta")(of_glass);
             r.whole.second = std::move(glass);
