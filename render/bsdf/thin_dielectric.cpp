@@ -29,7 +29,8 @@ float ThinDielectric::probability(float c) const {
 }
 
 // R D G / (4 |cos cos|), and (1 - R) D G / (4 |cos cos|) for the direction that is mirrored by the pane.
-void ThinDielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
+void ThinDielectric::multiply_f_cos(const Vec3f& camera, const Vec3f& other, SampledSpectrum& value) const {
+    const Vec3f w_camera = brushing_.to_facets(camera), w_light = brushing_.to_facets(other);
     const bool passes = w_camera.z * w_light.z < 0;
     const Vec3f light = passes ? through_pane(w_light) : w_light;
     Vec3f m;
@@ -43,7 +44,8 @@ void ThinDielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light,
     if (passes && transmittance_ != nullptr) value *= *transmittance_;
 }
 
-float ThinDielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
+float ThinDielectric::pdf_omega(const Vec3f& out, const Vec3f& in) const {
+    const Vec3f wo = brushing_.to_facets(out), wi = brushing_.to_facets(in);
     const bool passes = wo.z * wi.z < 0;
     Vec3f m;
     if (is_delta() || !half_vector(wo, passes ? through_pane(wi) : wi, 1, m)) return 0;
@@ -52,17 +54,18 @@ float ThinDielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
 }
 
 // Reflection with its probability; else through the pane.
-bool ThinDielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
+bool ThinDielectric::sample(const Vec3f& w, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
     if (!is_delta()) {
-        const Vec3f m = facets_.sample_visible(wo, u, v);
+        const Vec3f wo = brushing_.to_facets(w), m = facets_.sample_visible(wo, u, v);
         out.wi = m * (2 * dot(wo, m)) - wo;
         if (!(out.wi.z * wo.z > 0)) return false;
         if (!(u_lobe < probability(abs_dot(wo, m)))) out.wi = through_pane(out.wi);
+        out.wi = brushing_.from_facets(out.wi);
         return true;
     }
-    const float c = std::abs(wo.z), r = probability(c);
+    const float c = std::abs(w.z), r = probability(c);
     const bool reflected = u_lobe < r;
-    out.wi = reflected ? Vec3f{-wo.x, -wo.y, wo.z} : -wo;
+    out.wi = reflected ? Vec3f{-w.x, -w.y, w.z} : -w;
     out.delta = true;
     out.probability = out.probability_reverse = reflected ? r : 1 - r;
     if (!reflected && transmittance_ != nullptr) weight *= *transmittance_;

@@ -246,8 +246,10 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         const auto film = read_film(material, textures);
         surface.numbers.insert(film.begin(), film.end());
         if (out.second && out.second->type != "diffusetransmission") {
-            if (surface.numbers.contains("anisotropy")) material.warn("glass is rendered without its anisotropy");
             out.second->numbers.insert(film.begin(), film.end());
+            for (const auto& [name, value] : surface.numbers) {
+                if (name.starts_with("anisotropy")) out.second->numbers.emplace(name, value);
+            }
         }
         read_sheen(material, textures, surface);
         const auto is_zero = [&](const char* name) {
