@@ -134,6 +134,19 @@ TEST_F(PbrtV3, OnlyTheTransformationEndsWithTransformEnd) {
                 HasSubstr("TransformEnd"));
 }
 
+TEST_F(PbrtV3, ColouredNoiseIsAMixtureOfBlackAndWhite) {
+    for (const char* noise : {"fbm", "wrinkled", "windy"}) {
+        const std::string octaves = std::string(noise) == "windy" ? "" : " \"integer octaves\" 5";
+        expect_same(
+            fmt::format("Texture \"n\" \"color\" \"{}\"{} Material \"matte\" \"texture Kd\" \"n\" Shape \"sphere\"", noise,
+                        octaves),
+            fmt::format("Texture \"n\" \"float\" \"{}\"{} Texture \"n\" \"spectrum\" \"mix\" \"rgb tex1\" [ 0 0 0 ] \"rgb "
+                        "tex2\" [ 1 1 1 ] \"texture amount\" \"n\" Material \"diffuse\" \"texture reflectance\" \"n\" Shape "
+                        "\"sphere\"",
+                        noise, octaves));
+    }
+}
+
 TEST_F(PbrtV3, QuadricsThatV4LacksAreMeshes) {
     const auto mesh = [&](const std::string& shape) {
         const Result<LoadedScene> scene = load_scene(

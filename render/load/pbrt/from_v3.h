@@ -19,10 +19,11 @@ class FromPbrtV3 {
  public:
     explicit FromPbrtV3(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-    // In the order of the file. False: pbrt-v4 has no use for it.
-    bool translate(Directive& d);
+    // In the order of the file. None: pbrt-v4 has no use for it.
+    std::vector<Directive> translate(Directive d);
 
  private:
+    bool rewrite(Directive& d);  // false: none
     void film(Directive& d) const;
     void integrator(Directive& d) const;
     void light(Directive& d) const;
