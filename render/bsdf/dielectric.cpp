@@ -34,7 +34,8 @@ float Dielectric::probability(const Vec3f& w, float c) const {
 
 // Reflection F D G / (4 |cos cos|); transmission (1 - F) D G |camera.m light.m| / (|cos cos| (light.m + camera.m / eta)^2 eta^2),
 // eta the index on light's side over that on the camera's [WMLT07]; the last factor is the compression of radiance.
-void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
+void Dielectric::multiply_f_cos(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
+    const Vec3f w_camera = brushing_.to_facets(camera), w_light = brushing_.to_facets(light);
     const bool same_side = w_camera.z * w_light.z > 0;
     const float eta = same_side ? 1 : across(w_camera, eta_kept_);
     Vec3f m;
@@ -58,7 +59,8 @@ void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Sam
     }
 }
 
-float Dielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
+float Dielectric::pdf_omega(const Vec3f& out, const Vec3f& in) const {
+    const Vec3f wo = brushing_.to_facets(out), wi = brushing_.to_facets(in);
     const bool same_side = wo.z * wi.z > 0;
     const float eta = across(wo, eta_kept_);
     Vec3f m;
@@ -69,8 +71,9 @@ float Dielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
 }
 
 // Reflection with probability F, refraction else.
-bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
-    if (is_delta()) return sample_smooth(wo, u_lobe, out, weight);
+bool Dielectric::sample(const Vec3f& w, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
+    if (is_delta()) return sample_smooth(w, u_lobe, out, weight);
+    const Vec3f wo = brushing_.to_facets(w);
     const Vec3f m = facets_.sample_visible(wo, u, v);
     const float eta = across(wo, eta_kept_);
     const bool reflected = u_lobe < probability(wo, abs_dot(wo, m));
@@ -80,6 +83,7 @@ bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, Closure
         return false;
     }
     if (!reflected) out.eta2 = eta * eta;
+    out.wi = brushing_.from_facets(out.wi);
     return reflected == (out.wi.z * wo.z > 0);
 }
 

@@ -2,6 +2,7 @@
 // "Surfaces".
 #pragma once
 
+#include "render/bsdf/brushing.h"
 #include "render/bsdf/closure.h"
 #include "render/bsdf/microfacet.h"
 #include "render/bsdf/thin_film.h"
@@ -13,25 +14,29 @@ class Dielectric {
     static constexpr std::string_view kName = "dielectric";
     static constexpr std::array kInputs = joined(std::array{Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
                                                             Input{.name = "transmittance", .may_be_missing = true}},
-                                                 ThinFilm::kInputs);
+                                                 joined(Brushing::kInputs, ThinFilm::kInputs));
     static constexpr bool kTransmits = true;
 
     explicit Dielectric(const Values<Dielectric>& v)
         : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y"),
-                     v.find("transmittance"), ThinFilm::of(v), &v.site.spectra.wavelengths) {}
-    static bool is_isotropic(const Values<Dielectric>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
+                     v.find("transmittance"), ThinFilm::of(v), &v.site.spectra.wavelengths, Brushing::of(v)) {}
+    static bool is_isotropic(const Values<Dielectric>& v) {
+        return v.number("alpha_x") == v.number("alpha_y") && !Brushing::is_there(v);
+    }
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
     // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes. What is refracted is
     // multiplied by `transmittance`, if there is one. A `film` lies on the front side, in air; it is evaluated at `wavelengths`.
     Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y,
-               const SampledSpectrum* transmittance = nullptr, const ThinFilm& film = {}, const Wavelengths* wavelengths = nullptr)
+               const SampledSpectrum* transmittance = nullptr, const ThinFilm& film = {}, const Wavelengths* wavelengths = nullptr,
+               const Brushing& brushing = {})
         : eta_(&eta),
           transmittance_(transmittance),
           film_(film),
           wavelengths_(wavelengths),
           kept_(kept),
           eta_kept_(eta[kept]),
-          facets_(Microfacets::of_alpha(alpha_x, alpha_y)),
+          brushing_(brushing),
+          facets_(Microfacets::of_alpha(brushing.alpha_along(alpha_x), alpha_y)),
           dispersive_(dispersive) {}
 
     bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_ && film_.share == 0); }
@@ -53,6 +58,7 @@ class Dielectric {
     const Wavelengths* wavelengths_;
     std::uint32_t kept_;
     float eta_kept_;
+    Brushing brushing_;
     Microfacets facets_;
     bool dispersive_;
 };

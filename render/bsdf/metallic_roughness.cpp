@@ -15,18 +15,8 @@ constexpr float kCoatF0 = 0.04f;  // index 1.5
 
 float alpha_of(float roughness) { return roughness * roughness; }
 
-Microfacets facets_of(float alpha, float anisotropy = 0) {
-    const float along = alpha + (1 - alpha) * anisotropy * anisotropy;
-    return {std::max(along, MetallicRoughness::kMinAlpha), std::max(alpha, MetallicRoughness::kMinAlpha)};
-}
-
-// Unit, in the frame of dp/du.
-Vec2f direction_of(float x, float y, float turns, bool mirrored) {
-    const SinCos r = sincos_turns(turns);
-    const Vec2f given{2 * x - 1, 2 * y - 1}, turned{r.cos * given.x - r.sin * given.y, r.sin * given.x + r.cos * given.y};
-    const float size = std::sqrt(turned.x * turned.x + turned.y * turned.y);
-    if (!(size > 0)) return {1, 0};
-    return {turned.x / size, (mirrored ? -turned.y : turned.y) / size};
+Microfacets facets_of(float alpha, const Brushing& brushing = {}) {
+    return {std::max(brushing.alpha_along(alpha), MetallicRoughness::kMinAlpha), std::max(alpha, MetallicRoughness::kMinAlpha)};
 }
 
 // Whose albedo is about that of the facets.
@@ -47,10 +37,7 @@ MetallicRoughness::MetallicRoughness(const Values<MetallicRoughness>& v)
                          .f90 = v.number("f90"),
                          .coat = v.number("coat"),
                          .coat_alpha = alpha_of(v.number("coat_roughness")),
-                         .anisotropy = v.number("anisotropy"),
-                         .direction = is_isotropic(v) ? Vec2f{1, 0}
-                                                      : direction_of(v.number("anisotropy_x"), v.number("anisotropy_y"),
-                                                                     v.number("anisotropy_turns"), v.site.mirrored),
+                         .brushing = Brushing::of(v),
                          .film = ThinFilm::of(v)},
                         v.find("specular_color"), &v.site.spectra) {}
 
@@ -63,9 +50,9 @@ MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Paramete
       f0_(p.f0),
       f90_(p.f90),
       coat_(p.coat),
-      alpha_(mean_alpha(facets_of(p.alpha, p.anisotropy))),
-      direction_(p.direction),
-      facets_(facets_of(p.alpha, p.anisotropy)),
+      alpha_(mean_alpha(facets_of(p.alpha, p.brushing))),
+      brushing_(p.brushing),
+      facets_(facets_of(p.alpha, p.brushing)),
       coat_facets_(facets_of(p.coat_alpha)),
       metal_albedo_(brightest_, 1, alpha_),
       albedo_(specular_color != nullptr ? p.f0 * specular_color->max() : p.f0, p.f90, alpha_),
@@ -121,7 +108,7 @@ SampledSpectrum MetallicRoughness::filmed_surface(float mu, float mu_light, floa
 }
 
 void MetallicRoughness::multiply_f_cos(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
-    const Vec3f w_camera = along_facets(camera), w_light = along_facets(light);
+    const Vec3f w_camera = brushing_.to_facets(camera), w_light = brushing_.to_facets(light);
     const float mu = std::abs(w_camera.z), mu_light = std::abs(w_light.z);
     const float below =
         coat_ > 0 ? (1 - coat_ * coat_albedo_(mu)) * (1 - coat_ * coat_albedo_(mu_light)) : 1;  // what the coat passes, twice
@@ -175,7 +162,7 @@ MetallicRoughness::Lobes MetallicRoughness::lobes(const Vec3f& wo) const {
 }
 
 float MetallicRoughness::pdf_omega(const Vec3f& out, const Vec3f& in) const {
-    const Vec3f wo = along_facets(out), wi = along_facets(in);
+    const Vec3f wo = brushing_.to_facets(out), wi = brushing_.to_facets(in);
     const Lobes p = lobes(wo);
     float pdf = std::max(1 - p.coat - p.facets, 0.0f) * kInvPi * std::abs(wi.z);
     Vec3f m;
@@ -189,9 +176,9 @@ float MetallicRoughness::pdf_omega(const Vec3f& out, const Vec3f& in) const {
 bool MetallicRoughness::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
     const Lobes p = lobes(wo);
     if (u_lobe < p.coat + p.facets) {
-        const Vec3f w = along_facets(wo), m = (u_lobe < p.coat ? coat_facets_ : facets_).sample_visible(w, u, v);
+        const Vec3f w = brushing_.to_facets(wo), m = (u_lobe < p.coat ? coat_facets_ : facets_).sample_visible(w, u, v);
         const Vec3f wi = m * (2 * dot(w, m)) - w;
-        out.wi = {wi.x * direction_.x - wi.y * direction_.y, wi.x * direction_.y + wi.y * direction_.x, wi.z};
+        out.wi = brushing_.from_facets(wi);
     } else {
         out.wi = sample_cosine_hemisphere(u, v);
         if (wo.z < 0) out.wi.z = -out.wi.z;

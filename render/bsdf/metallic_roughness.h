@@ -2,6 +2,7 @@
 // coat above both: glTF's material. docs/rendering.md, "Surfaces".
 #pragma once
 
+#include "render/bsdf/brushing.h"
 #include "render/bsdf/closure.h"
 #include "render/bsdf/microfacet.h"
 #include "render/bsdf/schlick_albedo.h"
@@ -20,23 +21,18 @@ class MetallicRoughness {
  public:
     static constexpr std::string_view kName = "metallicroughness";
     // Alphas are the squares of roughnesses.
-    // Facets are alpha + (1 - alpha) anisotropy^2 rough along (2 x - 1, 2 y - 1) / length, turned by the rotation; x is that of
-    // dp/du, and y goes where v goes.
     static constexpr std::array kInputs =
         joined(std::array{Input::reflectance("base_color"), Input::number("roughness", 1, 0, 1), Input::number("metallic", 0, 0, 1),
                           Input::number("f0", 0.04f, 0, 1), Input::number("f90", 1, 0, 1), Input::number("coat", 0, 0, 1),
-                          Input::number("coat_roughness", 0, 0, 1), Input{.name = "specular_color", .may_be_missing = true},
-                          Input::directed("anisotropy", 0), Input::number("anisotropy_x", 1, 0, 1),
-                          Input::number("anisotropy_y", 0.5f, 0, 1), Input::number("anisotropy_turns", 0, -1, 1)},
-               ThinFilm::kInputs);
+                          Input::number("coat_roughness", 0, 0, 1), Input{.name = "specular_color", .may_be_missing = true}},
+               joined(Brushing::kInputs, ThinFilm::kInputs));
     static constexpr bool kTransmits = false;
 
     struct Parameters {
         float metallic = 0, alpha = 1;
         float f0 = 0.04f, f90 = 1;
         float coat = 0, coat_alpha = 0;  // coat: the share of the surface that it covers
-        float anisotropy = 0;
-        Vec2f direction{1, 0};  // in which facets are rougher: unit
+        Brushing brushing{};
         ThinFilm film{};
     };
     // Facets are never smoother than kMinAlpha: a mirror would leave the rest of the surface undrawn.
@@ -44,7 +40,7 @@ class MetallicRoughness {
     explicit MetallicRoughness(const Values<MetallicRoughness>& v);
     template <class C>
     static bool is_isotropic(const Values<C>& v) {
-        return v.number("anisotropy") == 0;
+        return !Brushing::is_there(v);
     }
     // `specular_color`: of f0; null: white. A film needs `spectra`, at whose wavelengths it is evaluated.
     MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters, const SampledSpectrum* specular_color = nullptr,
@@ -77,13 +73,10 @@ class MetallicRoughness {
     SampledSpectrum filmed_albedo(const FacetWeights& weights) const;
     // What lies below the coat, f without the base's cosine. c: at the facets; d: D G / (4 cos cos), 0 if there are none between.
     SampledSpectrum filmed_surface(float mu, float mu_light, float c, float d) const;
-    Vec3f along_facets(const Vec3f& w) const {
-        return {w.x * direction_.x + w.y * direction_.y, w.y * direction_.x - w.x * direction_.y, w.z};
-    }
 
     const SampledSpectrum *base_, *specular_color_;
     float brightest_, metallic_, f0_, f90_, coat_, alpha_;  // alpha: of isotropic facets of the same albedo, about
-    Vec2f direction_;
+    Brushing brushing_;
     const Filmed* filmed_ = nullptr;
     Microfacets facets_, coat_facets_;
     // Of the metal and of the dielectric, both where they reflect most; of the dielectric where it reflects least; of the coat.

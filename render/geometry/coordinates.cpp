@@ -188,9 +188,8 @@ SurfaceCoordinates quadric(const PlacedShape& placed, const Vec3d& p, const Vec3
     return c;
 }
 
-}  // namespace
-
-SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p, const Vec3f& ns) {
+// All but the tangents.
+SurfaceCoordinates derivatives_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p, const Vec3f& ns) {
     switch (placed.shape.kind) {
         case ShapeKind::kTriangles:
             return triangle(placed, primitive, uv, ns);
@@ -206,6 +205,21 @@ SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primi
     return quadric(placed, p, ns);
 }
 
+}  // namespace
+
+SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p, const Vec3f& ns) {
+    SurfaceCoordinates c = derivatives_at(placed, primitive, uv, p, ns);
+    c.tangent = c.dpdu;
+    c.bitangent = c.dpdv;
+    if (const MeshDescription* mesh = placed.shape.mesh.get(); mesh != nullptr && !mesh->tangents.empty()) {
+        const std::uint32_t* v = &mesh->indices[3 * std::size_t{primitive}];
+        const double w[3] = {1.0 - uv.x - uv.y, uv.x, uv.y};
+        c.tangent = Vec3f(weighted(mesh->tangents, v, w));
+        c.bitangent = Vec3f(weighted(mesh->bitangents, v, w));
+    }
+    return c;
+}
+
 SurfaceCoordinates coordinates_at(const PlacedWorld& world, const SurfaceHit& hit) {
     const PlacedShape& placed = world.shape(hit.on);
     if (hit.on.instance == kNone) return coordinates_at(placed, hit.on.primitive, hit.on.uv, Vec3d(hit.p), hit.ns);
@@ -214,8 +228,7 @@ SurfaceCoordinates coordinates_at(const PlacedWorld& world, const SurfaceHit& hi
     const Affined& map = instance.world_from_object;
     const Vec3f ns(instance.object_from_world.normal(Vec3d(hit.ns)));
     SurfaceCoordinates c = coordinates_at(placed, hit.on.primitive, hit.on.uv, instance.object_from_world.point(Vec3d(hit.p)), ns);
-    c.dpdu = Vec3f(map.vector(Vec3d(c.dpdu)));
-    c.dpdv = Vec3f(map.vector(Vec3d(c.dpdv)));
+    for (Vec3f* v : {&c.dpdu, &c.dpdv, &c.tangent, &c.bitangent}) *v = Vec3f(map.vector(Vec3d(*v)));
     // n = m / |m|, m the image of the object's normal.
     const Vec3d m = map.normal(normalize(Vec3d(ns)));
     const double size = length(m);

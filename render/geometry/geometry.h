@@ -32,7 +32,7 @@ struct SurfaceHit {
     float t;
     Vec3f ng;    // geometric normal, unit: outside is where it points (pbrt's orientation rules, ReverseOrientation included)
     Vec3f ns;    // shading normal, unit, in the hemisphere of ng
-    Vec3f dpdu;  // never parallel to ng, of any length: orients anisotropic materials
+    Vec3f dpdu;  // or where the mesh says that u runs; never parallel to ng, of any length: orients anisotropic materials
     std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: the surface does not change the ray's medium
@@ -47,8 +47,9 @@ struct SurfaceHit {
 // How the coordinates (u, v) of a scene's textures run over the surface about a hit.
 struct SurfaceCoordinates {
     Vec2f uv;
-    Vec3f dpdu, dpdv;  // not parallel
-    Vec3f dndu, dndv;  // of the shading normal, turned as SurfaceHit::ns
+    Vec3f dpdu, dpdv;          // not parallel
+    Vec3f tangent, bitangent;  // these, or where the mesh says that u and v run
+    Vec3f dndu, dndv;          // of the shading normal, turned as SurfaceHit::ns
     AmongVertices vertices;
 };
 

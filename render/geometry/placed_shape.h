@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "render/geometry/exact_shapes.h"
@@ -24,6 +25,13 @@ struct PlacedShape {
     bool parts_media() const { return shape.inside_medium != shape.outside_medium; }
     bool is_invisible() const { return (is_interface(shape.material) || is_nowhere(shape.alpha)) && !parts_media(); }
 };
+
+// Of what each vertex has: the sum, with one weight for each.
+inline Vec3d weighted(const std::vector<Vec3f>& values, const std::uint32_t* vertices, std::span<const double> weights) {
+    Vec3d out;
+    for (std::size_t i = 0; i < weights.size(); ++i) out += Vec3d(values[vertices[i]]) * weights[i];
+    return out;
+}
 
 struct PlacedInstance {
     PlacedInstance(const std::vector<PlacedShape>& shapes, const Affined& world_from_object);

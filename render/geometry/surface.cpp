@@ -37,8 +37,7 @@ SurfaceHit common_hit(const ShapeDescription& shape) {
 
 // Interpolates vertex normals with weights w; orients ng to them, as pbrt does for meshes that have normals.
 void shade(const MeshDescription& mesh, const std::uint32_t* v, std::span<const double> w, SurfaceHit& hit) {
-    Vec3d ns;
-    for (std::size_t i = 0; i < w.size(); ++i) ns += Vec3d(mesh.normals[v[i]]) * w[i];
+    const Vec3d ns = weighted(mesh.normals, v, w);
     const double size = length(ns);
     if (!(size > 0)) return;
     hit.ns = Vec3f(ns / size);
@@ -64,6 +63,10 @@ SurfaceHit triangle(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv
         const float determinant = (t1.x - t0.x) * (t2.y - t0.y) - (t1.y - t0.y) * (t2.x - t0.x);
         const Vec3f dpdu = (e1 * (t2.y - t0.y) - e2 * (t1.y - t0.y)) / determinant;
         if (determinant != 0 && max_abs(dpdu) < kInfinity) hit.dpdu = dpdu;
+    }
+    if (!mesh.tangents.empty()) {
+        const Vec3f along(weighted(mesh.tangents, v, w)), off = cross(hit.ng, along);
+        if (length_squared(off) > 1e-6f * length_squared(along)) hit.dpdu = along;
     }
     if (!mesh.normals.empty()) shade(mesh, v, w, hit);
     return hit;

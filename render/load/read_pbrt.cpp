@@ -88,7 +88,9 @@ class PbrtLoader {
                 stopped_ = true;
             } else if (d.name == "Include" || d.name == "Import") {
                 include(d, depth);
-            } else if (!is_v3_ || from_v3_.translate(d)) {
+            } else if (is_v3_) {
+                for (const Directive& translated : from_v3_.translate(std::move(d))) builder_.apply(translated);
+            } else {
                 builder_.apply(d);
             }
         }

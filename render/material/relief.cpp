@@ -34,10 +34,10 @@ void Relief::tilt(const TexturePoint& point, const SurfaceCoordinates& c, Surfac
         if (dot(cross(tu, tv), n) < 0) tilted = -tilted;
     } else {
         const std::array<float, 4> rgb = normals_->at(point);
-        const Frame frame = Frame::from_z_x(n, tu);
+        du = c.tangent - n * dot(n, c.tangent);
+        const Frame frame = Frame::from_z_x(n, du);
         const float x = scale_ * (2 * rgb[0] - 1), y = scale_ * (2 * rgb[1] - 1);
-        tilted = frame.to_world({x, follow_v_ && dot(frame.y, tv) < 0 ? -y : y, 2 * rgb[2] - 1});
-        du = tu;
+        tilted = frame.to_world({x, follow_v_ && dot(frame.y, c.bitangent) < 0 ? -y : y, 2 * rgb[2] - 1});
     }
     const float size = length(tilted);
     if (!(size > 0 && size < kInfinity)) return;

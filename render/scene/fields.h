@@ -170,8 +170,8 @@ void each_field(Of<LightDescription> auto& light, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
-    auto& [positions, normals, uvs, more_uvs, colors, radii, indices] = mesh;
-    visit(positions, normals, uvs, more_uvs, colors, radii, indices);
+    auto& [positions, normals, tangents, bitangents, uvs, more_uvs, colors, radii, indices] = mesh;
+    visit(positions, normals, uvs, more_uvs, colors, radii, indices, tangents, bitangents);
 }
 
 template <class Visit>

@@ -93,7 +93,7 @@ std::optional<Camera> World::camera_at(float time) const {
 Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kept) const {
     const SurfaceCoordinates coordinates = geometry_->coordinates(hit);
     fill_in(hit, coordinates, footprint_, point);
-    hit.mirrored = dot(cross(hit.ns, coordinates.dpdu), coordinates.dpdv) < 0;
+    hit.mirrored = dot(cross(hit.ns, coordinates.tangent), coordinates.bitangent) < 0;
     if (hit.ribbon) hit.across = (hit.mirrored ? -1.0f : 1.0f) * (2 * coordinates.uv.y - 1);
     const Material* material = &materials_[hit.material];
     const SampledSpectrum* weight = nullptr;

@@ -75,6 +75,9 @@ TEST_F(GltfExtensions, SpecularGlossinessIsWhatItsRoughAndMetallicTwinIs) {
     EXPECT_EQ(metal.number("roughness").value, 0);
     EXPECT_GT(metal.spectra.at("base_color").value(650), metal.spectra.at("base_color").value(450));
     EXPECT_NE(glossy({{"glossinessFactor", .25}}), glossy({{"glossinessFactor", .5}}));
+    // Nor has it one where all light is reflected.
+    EXPECT_EQ(glossy({{"diffuseFactor", {.5, .25, .125, 1}}, {"specularFactor", {1, 1, 1}}}),
+              glossy({{"diffuseFactor", {0, 0, 0, 1}}, {"specularFactor", {1, 1, 1}}}));
 }
 
 TEST_F(GltfExtensions, DispersionHasTheIndexAndTheAbbeNumberThatItSays) {
@@ -100,8 +103,8 @@ TEST_F(GltfExtensions, DispersionHasTheIndexAndTheAbbeNumberThatItSays) {
 
 TEST_F(GltfExtensions, TransmissionIsAShareOfTheSurface) {
     testing::write_exr(folder_ / "t.exr", 1, 1, {0.5f, 0.25f, 0.125f});
-    const auto scene = [&](double factor, bool has_picture) {
-        GltfFile file = triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
+    const auto scene = [&](double factor, bool has_picture, double roughness = 0) {
+        GltfFile file = triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", roughness}}},
                                   {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", factor}}}}}});
         file.json["images"] = {{{"uri", "t.exr"}}};
         file.json["textures"] = {{{"source", 0}}};
@@ -111,6 +114,8 @@ TEST_F(GltfExtensions, TransmissionIsAShareOfTheSurface) {
     };
     EXPECT_EQ(material(scene(0, true)).type, "metallicroughness");
     EXPECT_EQ(material(scene(1, false)).type, "thindielectric");
+    EXPECT_EQ(material(scene(1, false, 0.5)).number("alpha_x").value, 0.25f);
+    EXPECT_EQ(material(scene(1, false, 0.5)).number("alpha_y").value, 0.25f);
     const SceneDescription part = scene(0.25, false);
     ASSERT_EQ(material(part).type, "mix");
     EXPECT_EQ(material(part).number("amount").value, 0.25f);

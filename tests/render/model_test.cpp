@@ -190,11 +190,25 @@ TEST_F(Models, PositionsWithoutDataAreAnErrorThatNamesTheExtensionThatHasThem) {
     file.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()].erase("bufferView");
     EXPECT_THAT(refusal("room.glb", as_glb(file)),
                 ::testing::EndsWith("room.glb: /meshes/0/primitives/0/attributes/POSITION: its accessor has no data"));
-    primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
-    file.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+    primitive["extensions"]["EXT_other_compression"] = {{"bufferView", 0}};
+    file.json["extensionsUsed"] = {"EXT_other_compression"};
     EXPECT_THAT(refusal("room.glb", as_glb(file)), ::testing::EndsWith("room.glb: /meshes/0/primitives/0/attributes/POSITION: its "
-                                                                       "accessor has no data; KHR_draco_mesh_compression is not "
+                                                                       "accessor has no data; EXT_other_compression is not "
                                                                        "supported"));
+}
+
+TEST_F(Models, NormalsThatAreNotFiniteCountAsNoneWithAWarning) {
+    GltfFile file = quad_and_lamp();
+    const double none = std::nan("");
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
+        file.add_floats({0, 0, 1, none, 0, 1, 0, HUGE_VAL, 1, 0, 0, 1}, "VEC3");
+    const LoadedScene scene = load("room.glb", as_glb(file)).value();
+    EXPECT_THAT(scene.warnings, ::testing::ElementsAre(
+                                    ::testing::EndsWith("room.glb: /accessors/2: 2 of its items are not finite, and count as 0")));
+    const std::vector<Vec3f>& normals = scene.description.shapes.at(0).mesh->normals;
+    EXPECT_EQ(normals.at(0), Vec3f(0, 0, 1));
+    EXPECT_EQ(normals.at(1), Vec3f());
+    EXPECT_EQ(normals.at(2), Vec3f());
 }
 
 TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
@@ -428,8 +442,8 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
     EXPECT_THAT(broken("/nodes/1/matrix", {1, 2, 3}), HasSubstr("/nodes/1/matrix: must be an array of 16 numbers"));
     for (const Json& version : {Json("1.0"), Json(1), Json(1.0), Json("")})
         EXPECT_THAT(broken("/asset/version", version), HasSubstr("only glTF 2.0 is supported")) << version;
-    EXPECT_THAT(broken("/extensionsRequired", {"KHR_draco_mesh_compression"}),
-                HasSubstr("/extensionsRequired/0: KHR_draco_mesh_compression is not supported"));
+    EXPECT_THAT(broken("/extensionsRequired", {"KHR_texture_basisu"}),
+                HasSubstr("/extensionsRequired/0: KHR_texture_basisu is not supported"));
     EXPECT_THAT(broken("/materials/0/pbrMetallicRoughness/metallicFactor", "shiny"), HasSubstr("metallicFactor: must be a"));
     EXPECT_THAT(broken("/meshes/0/primitives/0/attributes/POSITION", 1), HasSubstr("has 1 numbers per item"));
     EXPECT_THAT(broken("/scenes", Json::array()), HasSubstr("there is no scene"));
@@ -575,7 +589,7 @@ TEST_F(Models, AnythingOfTheWrongKindIsOneError) {
     EXPECT_GT(refused, 300u);
     GltfFile file = whole;
     EXPECT_THAT(refusal("room.gltf", "{\"scenes\": []}"), ::testing::EndsWith("room.gltf: has no asset"));
-    file.json["extensionsRequired"] = "KHR_draco_mesh_compression";
+    file.json["extensionsRequired"] = "KHR_texture_basisu";
     EXPECT_THAT(refusal("room.glb", as_glb(file)),
                 ::testing::EndsWith("room.glb: /extensionsRequired: must be an array of strings"));
 }

@@ -331,5 +331,81 @@ TEST_F(ModelValues, NormalMapsAreScaledAndFollowMirroredCoordinates) {
     }
 }
 
+// A picture, whose left half is glass and whose right half is metal, as exporters write it: with the default factors of 1.
+TEST_F(ModelValues, GlassIsAsRoughAsItsPictureAndMetalIsNone) {
+    testing::write_exr(folder_ / "m.exr", 2, 1, {0, 0.5f, 0, 0, 0.75f, 1});
+    for (const double factor : {1.0, 0.5}) {
+        Square square;
+        square.pbr() = {
+            {"metallicRoughnessTexture", {{"index", square.add_picture("m.exr", {{"magFilter", 9728}, {"minFilter", 9728}})}}}};
+        square.material()["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", factor}}},
+                                           {"KHR_materials_volume", {{"thicknessFactor", 1}}}};
+        SeenValues seen(load(square));
+        EXPECT_EQ(seen.number("amount", 0.2, 0.5), static_cast<float>(factor));
+        EXPECT_EQ(seen.number("amount", 0.8, 0.5), 0);
+        EXPECT_EQ(seen.number_of_part(0, "metallic", 0.8, 0.5), 1);
+        EXPECT_EQ(seen.number_of_part(1, "alpha_x", 0.2, 0.5), 0.25f);
+        EXPECT_EQ(seen.number_of_part(1, "alpha_y", 0.2, 0.5), 0.25f);
+        EXPECT_THAT(warnings_, ::testing::IsEmpty());
+    }
+}
+
+// The square, whose normal map holds (0.5, 0.25, 1), placed by nodes of these scales.
+struct Uneven : Square {
+    Uneven(std::size_t normal_map, std::initializer_list<double> tangents, const Json& scales) {
+        attributes()["NORMAL"] = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+        if (tangents.size() > 0) attributes()["TANGENT"] = file.add_floats(tangents, "VEC4");
+        material()["normalTexture"] = {{"index", normal_map}};
+        file.json["nodes"] = Json::array();
+        file.json["scenes"][0]["nodes"] = Json::array();
+        for (const Json& scale : scales) {
+            file.json["scenes"][0]["nodes"].push_back(file.json["nodes"].size());
+            file.json["nodes"].push_back({{"mesh", 0}, {"scale", scale}});
+        }
+    }
+};
+
+TEST_F(ModelValues, TangentsOrientNormalMapsInsteadOfCoordinates) {
+    testing::write_exr(folder_ / "n.exr", 1, 1, {0.75f, 0.625f, 1});
+    const auto normal = [&](std::initializer_list<double> tangents, const Json& scales, double x) {
+        Uneven square(0, tangents, scales);
+        square.add_picture("n.exr");
+        return SeenValues(load(square)).normal(x, 0.4);
+    };
+    const Json plain = {{1, 1, 1}}, mirrored = {{-1, 1, 1}}, both = {{1, 1, 1}, {-1, 1, 1}};
+    const auto expect = [](const Vec3f& seen, const Vec3d& direction) {
+        EXPECT_NEAR(length(seen - Vec3f(normalize(direction))), 0, 1e-5) << seen.x << " " << seen.y << " " << seen.z;
+    };
+    expect(normal({0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1}, plain, 0.3), {-0.25, 0.5, 1});
+    expect(normal({1, 0, 0, -1, 1, 0, 0, -1, 1, 0, 0, -1, 1, 0, 0, -1}, plain, 0.3), {0.5, -0.25, 1});
+    // Those that say what the coordinates do change nothing, mirrored and in objects too.
+    const std::initializer_list<double> same = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1};
+    const std::tuple<Json, double, Vec3d> cases[] = {{plain, 0.3, {0.5, 0.25, 1}},
+                                                     {mirrored, -0.3, {-0.5, 0.25, 1}},
+                                                     {both, 0.3, {0.5, 0.25, 1}},
+                                                     {both, -0.3, {-0.5, 0.25, 1}}};
+    for (const auto& [scales, x, direction] : cases) {
+        expect(normal(same, scales, x), direction);
+        expect(normal({}, scales, x), direction);
+    }
+}
+
+// What needs no tangents does not keep them, and without normals they mean nothing.
+TEST_F(ModelValues, TangentsAreReadWhereTheyCount) {
+    testing::write_exr(folder_ / "n.exr", 1, 1, {0.75f, 0.625f, 1});
+    const auto tangents = [&](bool has_normals, bool is_brushed, bool has_map) {
+        Uneven square(0, {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, {{1, 1, 1}});
+        square.add_picture("n.exr");
+        if (!has_normals) square.attributes().erase("NORMAL");
+        if (!has_map) square.material().erase("normalTexture");
+        if (is_brushed) square.material()["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.5}};
+        return load(square).shapes.at(0).mesh->tangents.size();
+    };
+    EXPECT_EQ(tangents(true, false, true), 4);
+    EXPECT_EQ(tangents(true, true, false), 4);
+    EXPECT_EQ(tangents(true, false, false), 0);
+    EXPECT_EQ(tangents(false, false, true), 0);
+}
+
 }  // namespace
 }  // namespace latent::render

@@ -131,7 +131,8 @@ TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {
     std::filesystem::create_directory(folder_ / "sub");
     testing::write_exr(folder_ / "sub/my wood.exr", 1, 1, {0.5f, 0.25f, 0.125f});
     folder_.write("sub/m.mtl",
-                  "newmtl m\nPr .5\nmap_Kd -s 2 3 1 -o 0.25 -clamp on my wood.exr\nmap_Pr -imfchan g C:\\x\\my wood.exr\n");
+                  "newmtl m\nPr .5\nmap_Kd -colorspace sRGB -s 2 3 1 -o 0.25 -clamp on my wood.exr\n"
+                  "map_Pr C:\\x\\my wood.exr -imfchan g\n");
     const LoadedScene scene = load("mtllib sub/m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
     EXPECT_THAT(scene.warnings, IsEmpty());
     const SceneDescription& d = scene.description;

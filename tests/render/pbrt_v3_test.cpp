@@ -124,6 +124,29 @@ TEST_F(PbrtV3, LightsShapesAndTexturesAreThoseOfV4) {
 }
 
 // Cone, paraboloid and hyperboloid lie on their surfaces, and face along dp/du x dp/dv.
+TEST_F(PbrtV3, OnlyTheTransformationEndsWithTransformEnd) {
+    expect_same(
+        "Translate 0 0 1 TransformBegin Scale 2 2 2 TransformBegin Rotate 90 1 0 0 Material \"matte\" \"rgb Kd\" [ .5 .1 .1 ] "
+        "TransformEnd Shape \"sphere\" TransformEnd Shape \"sphere\"",
+        "Translate 0 0 1 Material \"diffuse\" \"rgb reflectance\" [ .5 .1 .1 ] AttributeBegin Scale 2 2 2 Shape \"sphere\" "
+        "AttributeEnd Shape \"sphere\"");
+    EXPECT_THAT(load_scene(folder_.write("end.pbrt", "Film \"image\"\nWorldBegin\nTransformEnd\n")).error().message,
+                HasSubstr("TransformEnd"));
+}
+
+TEST_F(PbrtV3, ColouredNoiseIsAMixtureOfBlackAndWhite) {
+    for (const char* noise : {"fbm", "wrinkled", "windy"}) {
+        const std::string octaves = std::string(noise) == "windy" ? "" : " \"integer octaves\" 5";
+        expect_same(
+            fmt::format("Texture \"n\" \"color\" \"{}\"{} Material \"matte\" \"texture Kd\" \"n\" Shape \"sphere\"", noise,
+                        octaves),
+            fmt::format("Texture \"n\" \"float\" \"{}\"{} Texture \"n\" \"spectrum\" \"mix\" \"rgb tex1\" [ 0 0 0 ] \"rgb "
+                        "tex2\" [ 1 1 1 ] \"texture amount\" \"n\" Material \"diffuse\" \"texture reflectance\" \"n\" Shape "
+                        "\"sphere\"",
+                        noise, octaves));
+    }
+}
+
 TEST_F(PbrtV3, QuadricsThatV4LacksAreMeshes) {
     const auto mesh = [&](const std::string& shape) {
         const Result<LoadedScene> scene = load_scene(

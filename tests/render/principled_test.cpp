@@ -81,6 +81,15 @@ TEST_F(Principled, HasTheFilmAndTheDirectionOfGltf) {
                           {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_iridescence", film}})),
               of_pbrt(R"("rgb color" [ 1 1 1 ] "float roughness" 0 "float transmission" 1 "bool thin" true)"
                       R"( "float film" .5 "float filmeta" 1.5 "float filmthickness" 300)"));
+    for (const bool thin : {true, false}) {
+        Json extensions = {{"KHR_materials_transmission", {{"transmissionFactor", .5}}},
+                           {"KHR_materials_anisotropy", {{"anisotropyStrength", .5}, {"anisotropyRotation", 0}}}};
+        if (!thin) extensions["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+        EXPECT_EQ(
+            of_gltf(pbr({{"metallicFactor", 0}, {"roughnessFactor", .5}}, extensions)),
+            of_pbrt(R"("rgb color" [ 1 1 1 ] "float roughness" .5 "float transmission" .5 "float anisotropy" .5 "bool thin" )" +
+                    std::string(thin ? "true" : "false")));
+    }
 }
 
 TEST_F(Principled, PassesLightAsTheMaterialOfGltfDoes) {

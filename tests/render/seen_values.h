@@ -22,6 +22,11 @@ class SeenValues {
     }
 
     float number(const std::string& input, double x, double y) { return textures_->source(look(x, y).number(input)).at(point_); }
+    // Of the first or the second part of a mixture.
+    float number_of_part(std::size_t part, const std::string& input, double x, double y) {
+        const MaterialDescription& m = scene_.description.materials.at(look(x, y).mixed.at(part));
+        return textures_->source(m.number(input)).at(point_);
+    }
     float alpha(double x, double y) {
         look(x, y);
         return textures_->source(scene_.description.shapes.at(0).alpha).at(point_);

@@ -118,18 +118,30 @@ inline std::vector<Example<Dielectric>> examples() {
             {.name = "smooth", .scatters = glass(0, 0), .eta = 1.5, .loses_nothing = true},
             {.name = "smooth, dispersive", .scatters = flint(9, 0), .eta = 1.727, .kept = 9, .loses_nothing = true},
             {.name = "smooth, under a film", .scatters = filmed(0), .eta = 1.5, .loses_nothing = true},
-            {.name = "alpha 0.3, under a film", .scatters = filmed(0.3f), .eta = 1.5}};
+            {.name = "alpha 0.3, under a film", .scatters = filmed(0.3f), .eta = 1.5},
+            {.name = "alpha 0.2, brushed",
+             .scatters = Dielectric(values().glass, false, 3, 0.2f, 0.2f, nullptr, {}, nullptr, {0.7f, {0.6f, 0.8f}}),
+             .eta = 1.5}};
 }
 
 template <>
 inline std::vector<Example<ThinDielectric>> examples() {
     return {{.name = "pane", .scatters = ThinDielectric(values().glass, false, 0), .loses_nothing = true},
-            {.name = "tinted pane", .scatters = ThinDielectric(values().varying, true, 9, &values().falling)},
+            {.name = "tinted pane", .scatters = ThinDielectric(values().varying, true, 9, 0, 0, &values().falling)},
             {.name = "dispersive pane", .scatters = ThinDielectric(values().varying, true, 9), .loses_nothing = true},
             {.name = "pane under films",
-             .scatters = ThinDielectric(values().glass, false, 0, nullptr, {.share = 1, .eta = 1.33f, .thickness_nm = 500},
+             .scatters = ThinDielectric(values().glass, false, 0, 0, 0, nullptr, {.share = 1, .eta = 1.33f, .thickness_nm = 500},
                                         &sampled().wavelengths),
-             .loses_nothing = true}};
+             .loses_nothing = true},
+            {.name = "frosted pane", .scatters = ThinDielectric(values().glass, false, 0, 0.3f, 0.3f)},
+            {.name = "pane, alpha 0.5 x 0.2, tinted, dispersive",
+             .scatters = ThinDielectric(values().varying, true, 9, 0.5f, 0.2f, &values().falling)},
+            {.name = "brushed pane",
+             .scatters = ThinDielectric(values().glass, false, 0, 0.2f, 0.2f, nullptr, {}, nullptr,
+                                        {.strength = 0.7f, .direction = {0.6f, 0.8f}})},
+            {.name = "frosted pane under films",
+             .scatters = ThinDielectric(values().glass, false, 0, 0.4f, 0.4f, nullptr,
+                                        {.share = 0.7f, .eta = 2, .thickness_nm = 300}, &sampled().wavelengths)}};
 }
 
 template <>
@@ -146,11 +158,9 @@ inline std::vector<Example<MetallicRoughness>> examples() {
         {.name = "white under a coat", .scatters = M(v.white, {.alpha = 0.6f, .coat = 1, .coat_alpha = 0.1f})},
         {.name = "blend, half coated, nothing at grazing",
          .scatters = M(v.falling, {.metallic = 0.5f, .alpha = 0.4f, .f90 = 0, .coat = 0.5f, .coat_alpha = 0.3f})},
-        {.name = "brushed metal",
-         .scatters = M(v.rising, {.metallic = 1, .alpha = 0.1f, .anisotropy = 0.7f, .direction = {0.6f, 0.8f}})},
+        {.name = "brushed metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.1f, .brushing = {0.7f, {0.6f, 0.8f}}})},
         {.name = "brushed plastic under a coat",
-         .scatters =
-             M(v.white, {.alpha = 0.3f, .f0 = 0.3f, .coat = 0.5f, .coat_alpha = 0.2f, .anisotropy = 0.5f, .direction = {0, 1}})},
+         .scatters = M(v.white, {.alpha = 0.3f, .f0 = 0.3f, .coat = 0.5f, .coat_alpha = 0.2f, .brushing = {0.5f, {0, 1}}})},
         {.name = "white under oil", .scatters = M(v.white, {.alpha = 0.3f, .film = oil}, nullptr, &sampled())},
         {.name = "white under oxide, smooth", .scatters = M(v.white, {.alpha = 0.04f, .film = oxide}, nullptr, &sampled())},
         {.name = "metal under oxide", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.2f, .film = oxide}, nullptr, &sampled())},

@@ -334,7 +334,7 @@ void expect_tinted(const Glass& clear, const Glass& tinted, const SampledSpectru
 TEST(Dielectrics, TintWhatTheyTransmit) {
     const Values& v = values();
     expect_tinted(Dielectric(v.glass, false, 3, 0, 0), Dielectric(v.glass, false, 3, 0, 0, &v.falling), v.falling);
-    expect_tinted(ThinDielectric(v.varying, true, 9), ThinDielectric(v.varying, true, 9, &v.falling), v.falling);
+    expect_tinted(ThinDielectric(v.varying, true, 9), ThinDielectric(v.varying, true, 9, 0, 0, &v.falling), v.falling);
 }
 
 // A pane gives back R' = R + T^2 R / (1 - R^2) and lets the rest through, at each wavelength by its own index.

@@ -111,7 +111,7 @@ TEST(Iridescence, IsTheFilmOnPanesAndOnGlass) {
     SampledSpectra spectra(none);
     at_lambdas(spectra);
     const ThinFilm film{.share = 1, .eta = 1.33f, .thickness_nm = 300};
-    const ThinDielectric pane(values().glass, false, 0, nullptr, film, &spectra.wavelengths);
+    const ThinDielectric pane(values().glass, false, 0, 0, 0, nullptr, film, &spectra.wavelengths);
     const Dielectric glass(values().glass, false, 0, 0, 0, nullptr, film, &spectra.wavelengths);
     for (const double c : {0.95, 0.4}) {
         const auto z = static_cast<float>(c), x = std::sqrt(1 - z * z);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/bytes.h"
 
@@ -179,7 +180,24 @@ std::size_t components_of(const GltfDocument& document, const GltfValue& index) 
     return i ? components_of(document.root()["accessors"][*i]["type"].text()) : 0;
 }
 
-std::optional<std::vector<float>> read_floats(const GltfDocument& document, const GltfValue& index, std::size_t components) {
+bool make_finite(std::vector<float>& numbers, std::size_t components, Finite finite, const GltfValue& place) {
+    std::size_t replaced = 0;
+    for (std::size_t i = 0; i < numbers.size(); i += components) {
+        const std::span<float> item = std::span(numbers).subspan(i, components);
+        if (std::ranges::all_of(item, [](float x) { return std::isfinite(x); })) continue;
+        if (finite == Finite::kRequired) {
+            place.error(fmt::format("item {} is not finite", i / components));
+            return false;
+        }
+        std::ranges::fill(item, 0.0f);
+        ++replaced;
+    }
+    if (replaced > 0) place.warn(fmt::format("{} of its items are not finite, and count as 0", replaced));
+    return true;
+}
+
+std::optional<std::vector<float>> read_floats(const GltfDocument& document, const GltfValue& index, std::size_t components,
+                                              Finite finite) {
     const std::optional<Accessor> a = accessor_of(document, index);
     if (!a) return std::nullopt;
     if (a->components != components) {
@@ -189,11 +207,8 @@ std::optional<std::vector<float>> read_floats(const GltfDocument& document, cons
     const bool normalized = a->value["normalized"].flag(false);
     std::optional<std::vector<float>> out =
         read_all<float>(document, *a, [&](const std::byte* at) { return float_at(at, a->type, normalized); });
-    if (!out) return out;
-    const auto bad = std::ranges::find_if(*out, [](float x) { return !std::isfinite(x); });
-    if (bad == out->end()) return out;
-    a->value.error(fmt::format("item {} is not finite", static_cast<std::size_t>(bad - out->begin()) / components));
-    return std::nullopt;
+    if (out && !make_finite(*out, components, finite, a->value)) return std::nullopt;
+    return out;
 }
 
 std::optional<std::string> buffer_view(const GltfDocument& document, const GltfValue& index) {

@@ -9,9 +9,15 @@
 namespace latent::render {
 
 std::span<const std::string_view> known_extensions() {
-    static constexpr std::string_view kKnown[] = {"EXT_mesh_gpu_instancing",
+    static constexpr std::string_view kKnown[] = {"EXT_instance_features",
+                                                  "EXT_mesh_features",
+                                                  "EXT_mesh_gpu_instancing",
+                                                  "EXT_mesh_manifold",
                                                   "EXT_meshopt_compression",
+                                                  "EXT_structural_metadata",
                                                   "EXT_texture_webp",
+                                                  "FB_ngon_encoding",
+                                                  "KHR_draco_mesh_compression",
                                                   "KHR_lights_punctual",
                                                   "KHR_materials_anisotropy",
                                                   "KHR_materials_clearcoat",
@@ -30,7 +36,9 @@ std::span<const std::string_view> known_extensions() {
                                                   "KHR_mesh_quantization",
                                                   "KHR_meshopt_compression",
                                                   "KHR_texture_transform",
-                                                  "KHR_xmp_json_ld"};
+                                                  "KHR_xmp",
+                                                  "KHR_xmp_json_ld",
+                                                  "MSFT_lod"};
     return kKnown;
 }
 

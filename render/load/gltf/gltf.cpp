@@ -115,7 +115,7 @@ class GltfLoader {
         std::vector<Mixture> mixtures;
         for (std::size_t i = 0; i <= materials.size(); ++i) {
             GltfMaterial material = read_material(materials[i], vertex_colors[i], colors_, textures);
-            Used used{.uv_sets = std::move(material.uv_sets), .alpha = material.alpha};
+            Used used{.needs = std::move(material.needs), .alpha = material.alpha};
             if (material.emission) {
                 used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
                 model_.scene.area_lights.push_back(std::move(*material.emission));
@@ -420,9 +420,10 @@ class GltfLoader {
         mesh.is_read = true;
         const GltfValue value = root()["meshes"][mesh.index];
         if (mesh.pose.weights.empty()) mesh.pose.weights = numbers(value["weights"]);
-        mesh.primitives = read_mesh(document_, value, mesh.pose,
-                                    {[this](const GltfValue& primitive) { return material_of(primitive); },
-                                     [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; }});
+        mesh.primitives =
+            read_mesh(document_, value, mesh.pose,
+                      {[this](const GltfValue& primitive) { return material_of(primitive); },
+                       [this](std::uint32_t material) -> const VertexNeeds& { return used_[index_of(material)].needs; }});
         for (const GltfPrimitive& primitive : mesh.primitives) {
             if (!count(primitive, value)) return mesh.primitives.clear();
         }
@@ -449,6 +450,9 @@ class GltfLoader {
     static void transform(LoadedShape& loaded, const Affined& m) {
         loaded.shape.flip_normal = m.swaps_handedness();
         for (Vec3d& p : loaded.mesh->positions) p = m.point(p);
+        for (std::vector<Vec3f>* along : {&loaded.mesh->tangents, &loaded.mesh->bitangents}) {
+            for (Vec3f& v : *along) v = Vec3f(m.vector(Vec3d(v)));
+        }
         for (Vec3f& n : loaded.mesh->normals) {
             const Vec3d world = m.normal(Vec3d(n));
             const double size = length(world);
@@ -463,7 +467,7 @@ class GltfLoader {
     // What shapes of a material carry.
     struct Used {
         std::uint32_t area_light = kNone, inside = kNone;
-        std::vector<std::uint32_t> uv_sets{};
+        VertexNeeds needs{};
         FloatInput alpha = 1;
     };
 

@@ -43,18 +43,16 @@ color::Spectrum index_of(double index, double dispersion) {
     return color::Spectrum::from_function([=](double nm) { return std::max(b + c / (nm * nm), 1.0); }, color::Outside::kClamped);
 }
 
-// Glass: thin without a thickness, else with a medium inside.
-MaterialDescription read_glass(const GltfValue& material, const ModelColors& colors, double index, double roughness,
+// Glass: thin without a thickness, else with a medium inside. `alpha`: of its facets.
+MaterialDescription read_glass(const GltfValue& material, const ModelColors& colors, double index, const FloatInput& alpha,
                                GltfMaterial& out) {
     const GltfValue volume = material.extension("KHR_materials_volume");
     const bool is_thin = !(volume["thicknessFactor"].factor(0, 0, kNoLimit) > 0);
-    const auto alpha = static_cast<float>(roughness * roughness);
     const double dispersion = material.extension("KHR_materials_dispersion")["dispersion"].factor(0, 0, 1e3);
     MaterialDescription glass{.type = is_thin ? "thindielectric" : "dielectric",
                               .spectra = {{"eta", is_thin ? color::Spectrum::constant(index) : index_of(index, dispersion)}}};
-    if (is_thin && alpha > 0) material.warn("thin glass is rendered without its roughness");
-    if (is_thin) return glass;
     glass.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
+    if (is_thin) return glass;
     const double distance = volume["attenuationDistance"].factor(0, 0, kNoLimit);
     const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
     if (distance == 0 || std::ranges::min(tint) >= 1) return glass;
@@ -69,10 +67,10 @@ MaterialDescription read_glass(const GltfValue& material, const ModelColors& col
 void tell_of_ignored(const GltfValue& material) {
     if (const GltfValue occlusion = material["occlusionTexture"]; occlusion.exists())
         occlusion.note("is not used: occlusion is computed");
-    const GltfValue volume = material.extension("KHR_materials_volume"), coat = material.extension("KHR_materials_clearcoat");
-    for (const GltfValue& info : {volume["thicknessTexture"], coat["clearcoatNormalTexture"]}) {
-        if (info.exists()) info.warn("is not supported, and is ignored");
-    }
+    if (const GltfValue thick = material.extension("KHR_materials_volume")["thicknessTexture"]; thick.exists())
+        thick.note("is not used: light takes its way through the shape");
+    if (const GltfValue info = material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"]; info.exists())
+        info.warn("is not supported, and is ignored");
 }
 
 // Where its colour is not black.
@@ -168,7 +166,9 @@ Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, Gl
     const double glossiness = fraction_of(glossy["glossinessFactor"], 1);
     Body body{glossy["diffuseTexture"], glossy["diffuseFactor"].factors(std::array<double, 4>{1, 1, 1, 1}, 0, 1), 1 - glossiness,
               0};
-    const LinearRgb diffuse{body.factor[0], body.factor[1], body.factor[2]};
+    // What the mirror leaves of light for the body, relative to a mirror of index 1.5.
+    const double left = picture.exists() ? 1 : std::min((1 - std::ranges::max(specular)) / (1 - 0.04), 1.0);
+    const LinearRgb diffuse{left * body.factor[0], left * body.factor[1], left * body.factor[2]};
     body.metallic = std::ranges::max(diffuse) == 0 ? 1 : 0;
     surface.numbers["roughness"] = textures.inverted(picture, PictureChannel::kAlpha, glossiness);
     surface.numbers["metallic"] = static_cast<float>(body.metallic);
@@ -186,12 +186,18 @@ void read_second(const GltfValue& material, const Body& body, const ModelColors&
                  GltfMaterial& out) {
     const GltfValue clear = material.extension("KHR_materials_transmission"),
                     diffuse = material.extension("KHR_materials_diffuse_transmission");
-    const double transmitted = clear["transmissionFactor"].factor(0, 0, 1) * (1 - body.metallic),
-                 diffused = diffuse["diffuseTransmissionFactor"].factor(0, 0, 1) * (1 - body.metallic);
+    FloatInput& metallic = out.surface.numbers.at("metallic");
+    const double not_metal = metallic.is_textured() ? 1 : 1 - body.metallic,
+                 transmitted = clear["transmissionFactor"].factor(0, 0, 1) * not_metal,
+                 diffused = diffuse["diffuseTransmissionFactor"].factor(0, 0, 1) * not_metal;
     if (transmitted > 0) {
         if (diffused > 0) diffuse.warn("is ignored, since the material transmits light clearly, too");
         const double index = material.extension("KHR_materials_ior")["ior"].factor(1.5, 1, kNoLimit);
-        out.second = read_glass(material, colors, index, body.roughness, out);
+        const FloatInput& rough = out.surface.numbers.at("roughness");
+        out.second = read_glass(
+            material, colors, index,
+            rough.is_textured() ? textures.product(rough, rough) : FloatInput(static_cast<float>(body.roughness * body.roughness)),
+            out);
         const SpectrumInput& base = out.surface.spectra.at("base_color");
         const bool is_white = !base.is_textured() && body.factor[0] == 1 && body.factor[1] == 1 && body.factor[2] == 1;
         if (!is_white) out.second->spectra["transmittance"] = base;
@@ -203,9 +209,14 @@ void read_second(const GltfValue& material, const Body& body, const ModelColors&
                                 .spectra = {{"transmittance", textures.color(diffuse["diffuseTransmissionColorTexture"], tint)}}};
         out.second_share = textures.number(diffuse["diffuseTransmissionTexture"], PictureChannel::kAlpha, diffused);
     }
-    FloatInput& metallic = out.surface.numbers.at("metallic");
-    if (metallic.value > 0 && !metallic.is_textured() && !out.second_share.is_textured())
+    if (metallic.is_textured() && out.second) {
+        // Where light does not pass, all is metal, or, if light passes only part of what is none, as much as the picture says.
+        const FloatInput whole = out.second_share;
+        out.second_share = textures.product(whole, textures.between(1, 0, metallic));
+        if (!whole.is_textured() && whole.value == 1) metallic = 1;
+    } else if (metallic.value > 0 && !out.second_share.is_textured()) {
         metallic.value /= 1 - out.second_share.value;  // of what light does not pass
+    }
 }
 
 }  // namespace
@@ -235,8 +246,10 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         const auto film = read_film(material, textures);
         surface.numbers.insert(film.begin(), film.end());
         if (out.second && out.second->type != "diffusetransmission") {
-            if (surface.numbers.contains("anisotropy")) material.warn("glass is rendered without its anisotropy");
             out.second->numbers.insert(film.begin(), film.end());
+            for (const auto& [name, value] : surface.numbers) {
+                if (name.starts_with("anisotropy")) out.second->numbers.emplace(name, value);
+            }
         }
         read_sheen(material, textures, surface);
         const auto is_zero = [&](const char* name) {
@@ -265,7 +278,7 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
     }
     read_emission(material, textures, out);
-    out.uv_sets = textures.uv_sets();
+    out.needs = {.uv_sets = textures.uv_sets(), .tangents = normal.exists() || surface.numbers.contains("anisotropy")};
     return out;
 }
 

@@ -11,6 +11,12 @@
 
 namespace latent::render {
 
+// What its vertices must have.
+struct VertexNeeds {
+    std::vector<std::uint32_t> uv_sets{};  // the TEXCOORD_N of its textures; the first orients tangents
+    bool tangents = false;
+};
+
 struct GltfMaterial {
     MaterialDescription surface{};
     std::optional<MaterialDescription> second{};  // what the surface is in part: glass, or what light passes diffusely
@@ -19,7 +25,7 @@ struct GltfMaterial {
     double radiance = 0;                        // of its emission: the largest component
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
     FloatInput alpha = 1;                       // of its shapes
-    std::vector<std::uint32_t> uv_sets{};       // the TEXCOORD_N of its textures; the first orients tangents
+    VertexNeeds needs{};
 };
 
 // /materials/N; the default material if there is no such value. `vertices`: what primitives of it have.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/load/gltf/document.h"
+#include "render/load/gltf/materials.h"
 #include "render/load/mesh/placement.h"
 
 namespace latent::render {
@@ -24,8 +25,8 @@ struct GltfPose {
 
 // What a mesh needs to know about materials.
 struct GltfMaterialLookup {
-    std::function<std::uint32_t(const GltfValue& primitive)> material_of;          // index into /materials, or kNone
-    std::function<std::vector<std::uint32_t>(std::uint32_t material)> uv_sets_of;  // GltfMaterial::uv_sets
+    std::function<std::uint32_t(const GltfValue& primitive)> material_of;  // index into /materials, or kNone
+    std::function<const VertexNeeds&(std::uint32_t material)> needs_of;
 };
 
 // The primitives of /meshes/N that have triangles.

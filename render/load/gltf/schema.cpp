@@ -145,16 +145,19 @@ constexpr GltfMember kViewMembers[] = {any("name"),
                                        any("target"),
                                        object("extensions", kViewExtensions)};
 constexpr GltfObjectType kView{kViewMembers};
-constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"),  count("TEXCOORD_0"),
+constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), count("TANGENT"), count("TEXCOORD_0"),
                                             count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};
 constexpr GltfObjectType kAttributes{kAttributeMembers};
-constexpr GltfMember kTargetMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"), any("TEXCOORD_0"), any("COLOR_0")};
+constexpr GltfMember kTargetMembers[] = {count("POSITION"), count("NORMAL"), count("TANGENT"), any("TEXCOORD_0"), any("COLOR_0")};
 constexpr GltfObjectType kTarget{kTargetMembers};
 constexpr GltfMember kMappingMembers[] = {any("name"), required(count("material")), required(counts("variants"))};
 constexpr GltfObjectType kMapping{kMappingMembers};
 constexpr GltfMember kMappingsMembers[] = {required(objects("mappings", kMapping))};
 constexpr GltfObjectType kMappings{kMappingsMembers};
-constexpr GltfMember kPrimitiveExtensionMembers[] = {object("KHR_materials_variants", kMappings)};
+constexpr GltfMember kDracoMembers[] = {required(count("bufferView")), required(object("attributes", kAttributes))};
+constexpr GltfObjectType kDraco{kDracoMembers};
+constexpr GltfMember kPrimitiveExtensionMembers[] = {object("KHR_draco_mesh_compression", kDraco),
+                                                     object("KHR_materials_variants", kMappings)};
 constexpr GltfObjectType kPrimitiveExtensions{kPrimitiveExtensionMembers, true};
 constexpr GltfMember kPrimitiveMembers[] = {
     required(object("attributes", kAttributes)), count("indices"), count("material"), count("mode"), objects("targets", kTarget),

@@ -39,6 +39,7 @@ class GltfTextures {
     std::optional<AreaLightDescription> emission(const GltfValue& info, const LinearRgb& factor);
     // From `low` to `high` as `value` goes from 0 to 1.
     FloatInput between(double low, double high, const FloatInput& value) { return values_.between(low, high, value); }
+    FloatInput product(const FloatInput& a, const FloatInput& b) { return values_.product(a, b); }
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold) { return values_.thresholded(value, threshold); }
 

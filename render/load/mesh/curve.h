@@ -1,4 +1,4 @@
-// render/load/mesh/curve.h: curves as tubes, as meshes of tubes, and as ribbons. docs/scenes.md, "Differences from pbrt-v4".
+// render/load/mesh/curve.h: curves as tubes, as meshes of tubes, and as ribbons. docs/pbrt_differences.md.
 #pragma once
 
 #include <cstdint>

@@ -38,6 +38,8 @@ ShapeDescription placed(LoadedShape loaded, const Vec3d& origin) {
         loaded.shape.to_world.t += -origin;
     } else {
         MeshDescription mesh{.normals = std::move(loaded.mesh->normals),
+                             .tangents = std::move(loaded.mesh->tangents),
+                             .bitangents = std::move(loaded.mesh->bitangents),
                              .uvs = std::move(loaded.mesh->uvs),
                              .more_uvs = std::move(loaded.mesh->more_uvs),
                              .colors = std::move(loaded.mesh->colors),

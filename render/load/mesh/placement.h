@@ -14,7 +14,7 @@ namespace latent::render {
 // MeshDescription, in the space of the world or of the object that it belongs to.
 struct LoadedMesh {
     std::vector<Vec3d> positions{};
-    std::vector<Vec3f> normals{};
+    std::vector<Vec3f> normals{}, tangents{}, bitangents{};
     std::vector<Vec2f> uvs{};
     std::vector<std::vector<Vec2f>> more_uvs{};
     std::vector<std::array<float, 4>> colors{};

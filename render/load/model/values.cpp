@@ -69,6 +69,16 @@ FloatInput ModelValues::between(double low, double high, const FloatInput& value
     return out;
 }
 
+FloatInput ModelValues::product(const FloatInput& a, const FloatInput& b) {
+    if (!a.is_textured() && !b.is_textured()) return a.value * b.value;
+    TextureDescription texture{.kind = TextureKind::kScale};
+    texture.numbers[0] = a;
+    texture.amount = b;
+    FloatInput out;
+    out.texture = add(std::move(texture));
+    return out;
+}
+
 FloatInput ModelValues::thresholded(const FloatInput& value, float threshold) {
     if (!value.is_textured()) return value.value >= threshold ? 1.0f : 0.0f;
     TextureDescription texture{.kind = TextureKind::kThreshold};

@@ -29,6 +29,7 @@ class ModelValues {
     std::uint32_t normal_map(TextureDescription picture);
     // From `low` to `high` as `value` goes from 0 to 1.
     FloatInput between(double low, double high, const FloatInput& value);
+    FloatInput product(const FloatInput& a, const FloatInput& b);
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold);
 

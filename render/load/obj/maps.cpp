@@ -35,17 +35,25 @@ std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name,
     // How many words follow an option at most; those of numbers may be fewer.
     static const std::map<std::string_view, std::size_t> kOptions = {
         {"-blendu", 1}, {"-blendv", 1}, {"-cc", 1}, {"-clamp", 1}, {"-texres", 1}, {"-imfchan", 1}, {"-type", 1},
-        {"-bm", 1},     {"-boost", 1},  {"-mm", 2}, {"-o", 3},     {"-s", 3},      {"-t", 3}};
+        {"-bm", 1},     {"-boost", 1},  {"-mm", 2}, {"-o", 3},     {"-s", 3},      {"-t", 3},       {"-colorspace", 1}};
     MtlMap out{.texture = {.kind = TextureKind::kImage}};
     std::array<double, 2> offset{0, 0}, scale{1, 1};
+    std::string name;
     std::size_t i = 1;
     while (i < s.words().size()) {
         const std::string_view option = s.words()[i];
         const auto known = kOptions.find(option);
-        if (known == kOptions.end()) break;
+        if (known == kOptions.end()) {
+            // The name, which ends where options follow it.
+            if (!name.empty()) break;
+            const std::size_t first = i;
+            while (i < s.words().size() && !kOptions.contains(s.words()[i])) ++i;
+            name = s.rest(first, i);
+            continue;
+        }
         std::vector<double> numbers;
-        const bool is_word =
-            option == "-clamp" || option == "-imfchan" || option == "-type" || option.starts_with("-blend") || option == "-cc";
+        const bool is_word = option == "-clamp" || option == "-imfchan" || option == "-type" || option.starts_with("-blend") ||
+                             option == "-cc" || option == "-colorspace";
         const std::string_view word = i + 1 < s.words().size() ? s.words()[i + 1] : std::string_view();
         ++i;
         if (is_word) {
@@ -69,7 +77,6 @@ std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name,
         if (option == "-mm" || option == "-t" || option == "-boost" || option == "-cc")
             s.warn(fmt::format("{}: {} is ignored", s.keyword(), option));
     }
-    const std::string name = s.rest(i);
     if (name.empty()) {
         s.warn(fmt::format("{}: names no file, and is ignored", s.keyword()));
         return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -47,10 +48,11 @@ bool Statements::next() {
     return false;
 }
 
-std::string Statements::rest(std::size_t first) const {
-    if (words_.size() <= first) return "";
+std::string Statements::rest(std::size_t first, std::size_t end) const {
+    end = std::min(end, words_.size());
+    if (end <= first) return "";
     const char* const begin = words_[first].data();
-    const std::string_view all(begin, static_cast<std::size_t>(words_.back().data() + words_.back().size() - begin));
+    const std::string_view last = words_[end - 1], all(begin, static_cast<std::size_t>(last.data() + last.size() - begin));
     const bool is_quoted = all.size() >= 2 && all.starts_with('"') && all.ends_with('"');
     return std::string(is_quoted ? all.substr(1, all.size() - 2) : all);
 }

@@ -23,8 +23,8 @@ class Statements {
     bool next();
     std::string_view keyword() const { return words_[0]; }
     const std::vector<std::string_view>& words() const { return words_; }  // the keyword first
-    // All from word `first` on, without quotes about it: names may hold spaces.
-    std::string rest(std::size_t first = 1) const;
+    // All from word `first` on, to before word `end` or to the last, without quotes about it: names may hold spaces.
+    std::string rest(std::size_t first = 1, std::size_t end = static_cast<std::size_t>(-1)) const;
 
     // Word `i` as a finite number; an error if it is none.
     double number(std::size_t i) const;

@@ -173,7 +173,25 @@ void FromPbrtV3::drop(Directive& d, std::string_view name, std::optional<double>
     if (p && (!harmless || grey(*p) != harmless)) diagnostics_.warn(p->where, fmt::format("{}: ignored: {}", name, why));
 }
 
-bool FromPbrtV3::translate(Directive& d) {
+std::vector<Directive> FromPbrtV3::translate(Directive d) {
+    std::vector<Directive> out;
+    if (!rewrite(d)) return out;
+    const auto is = [&](const char* type) { return d.name == "Texture" && d.strings[1] == "spectrum" && d.strings[2] == type; };
+    const bool is_grey = is("fbm") || is("wrinkled") || is("windy");
+    out.push_back(std::move(d));
+    if (!is_grey) return out;
+    // pbrt-v4 has numbers alone of noise; of colours it is a mixture of black and white. Names of both kinds are their own.
+    Directive& noise = out.front();
+    noise.strings[1] = "float";
+    Directive mixed{.name = "Texture", .where = noise.where, .strings = {noise.strings[0], "spectrum", "mix"}};
+    set(mixed, "rgb", "tex1", {0, 0, 0});
+    set(mixed, "rgb", "tex2", {1, 1, 1});
+    set_text(mixed, "texture", "amount", {noise.strings[0]});
+    out.push_back(std::move(mixed));
+    return out;
+}
+
+bool FromPbrtV3::rewrite(Directive& d) {
     if (d.name == "WorldEnd") return false;
     for (Parameter& p : d.parameters) {
         make_rgb(p);
@@ -184,6 +202,14 @@ bool FromPbrtV3::translate(Directive& d) {
     if ((d.name == "AttributeEnd" || d.name == "ObjectEnd") && !opacities_.empty()) {
         opacity_ = opacities_.back();
         opacities_.pop_back();
+    }
+    // Of the graphics state they keep the transformation alone, where pbrt-v4 keeps all.
+    if (d.name == "TransformBegin") {
+        d.name = "CoordinateSystem";
+        d.strings = {fmt::format("TransformBegin {}", kept_transforms_++)};
+    } else if (d.name == "TransformEnd" && kept_transforms_ > 0) {
+        d.name = "CoordSysTransform";
+        d.strings = {fmt::format("TransformBegin {}", --kept_transforms_)};
     }
     if (d.name == "Film") film(d);
     if (d.name == "Integrator") integrator(d);

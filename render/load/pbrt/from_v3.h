@@ -19,10 +19,11 @@ class FromPbrtV3 {
  public:
     explicit FromPbrtV3(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-    // In the order of the file. False: pbrt-v4 has no use for it.
-    bool translate(Directive& d);
+    // In the order of the file. None: pbrt-v4 has no use for it.
+    std::vector<Directive> translate(Directive d);
 
  private:
+    bool rewrite(Directive& d);  // false: none
     void film(Directive& d) const;
     void integrator(Directive& d) const;
     void light(Directive& d) const;
@@ -47,6 +48,7 @@ class FromPbrtV3 {
     };
     Diagnostics& diagnostics_;
     std::map<std::pair<std::string, std::string>, Known> names_;  // by kind and name
+    int kept_transforms_ = 0;                                     // by TransformBegin
     std::optional<double> opacity_;                               // of the current material
     std::vector<std::optional<double>> opacities_;                // of those that end with a block
 };

@@ -265,8 +265,7 @@ Part passing() {
             if (!is_white) glass.spectra["transmittance"] = base;
             const FloatInput& rough = r.material.numbers.at("roughness");
             if (rough.is_textured()) r.list.error("roughness: of glass must be a number");
-            if (is_thin && rough.value > 0) r.list.warn("roughness: thin glass is rendered without it");
-            if (!is_thin) glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;
+            glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;
             const Reading of_glass{r.list, r.textures, r.files, r.whole, glass};
             index("eta")(of_glass);
             r.whole.second = std::move(glass);
@@ -286,18 +285,17 @@ Part film_and_direction() {
                          anisotropy = r.textures.number(r.list, "anisotropy", 0, 0, 1);
         const double eta = r.list.number("filmeta", 1.3, 1, 10), turns = r.list.number("anisotropyrotation", 0, -360, 360) / 360;
         const bool has_glass = r.whole.second && r.whole.second->type != "diffusetransmission";
-        if (film.is_textured() || film.value > 0) {
-            for (MaterialDescription* covered : {&r.material, has_glass ? &*r.whole.second : nullptr}) {
-                if (covered == nullptr) continue;
+        for (MaterialDescription* covered : {&r.material, has_glass ? &*r.whole.second : nullptr}) {
+            if (covered == nullptr) continue;
+            if (film.is_textured() || film.value > 0) {
                 covered->numbers["film"] = film;
                 covered->numbers["film_eta"] = static_cast<float>(eta);
                 covered->numbers["film_thickness"] = thickness;
             }
+            if (!anisotropy.is_textured() && anisotropy.value == 0) continue;
+            covered->numbers["anisotropy"] = anisotropy;
+            if (turns != 0) covered->numbers["anisotropy_turns"] = static_cast<float>(turns - std::floor(turns));
         }
-        if (!anisotropy.is_textured() && anisotropy.value == 0) return;
-        if (has_glass) r.list.warn("anisotropy: of glass is not supported, and is ignored");
-        r.material.numbers["anisotropy"] = anisotropy;
-        if (turns != 0) r.material.numbers["anisotropy_turns"] = static_cast<float>(turns - std::floor(turns));
     };
 }
 

@@ -1,5 +1,5 @@
 // render/load/pbrt/subsurface.h: what lies below the surface of a "subsurface" material: a medium that light wanders through.
-// docs/scenes.md, "Differences from pbrt-v4".
+// docs/pbrt_differences.md.
 #pragma once
 
 #include "render/load/pbrt/parameters.h"
