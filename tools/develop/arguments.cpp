@@ -207,9 +207,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
                  "dim samples that are far brighter than all others around them; the report gives the light that is lost");
     app.add_flag("--denoise{1}", options.denoise,
                  "remove noise, with the help of the layers albedo, normal and depth if the files have them; --denoise=0.5 removes "
-                 "half of it")
-        ->check(CLI::Range(0.0, 1.0))
-        ->type_name("0..1");
+                 "half of it");
     cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
     app.add_option("--simd", options.simd, "instruction set; does not affect pixels")
         ->capture_default_str()

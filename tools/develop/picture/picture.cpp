@@ -205,6 +205,8 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     if (!channels) return channels.error();
     Layers layers = options.layers;
     layers.samples = options.dim_fireflies;
+    if (!(options.denoise >= 0 && options.denoise <= 1))
+        return usage_error(fmt::format("--denoise={:g}: choose from 0, as it is, to 1, without noise", options.denoise));
     if (options.denoise > 0) {
         layers.halves = true;
         add_surface(job, layers);
