@@ -283,6 +283,10 @@ CLI::Validator ends_in(const std::string& extension, const std::string& otherwis
     return CLI::Validator(check, "NAME" + extension);
 }
 
+CLI::Validator not_empty() {
+    return {[](const std::string& name) { return std::string(name.empty() ? "a name is missing" : ""); }, ""};
+}
+
 Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t least, std::uint64_t most) {
     const Result<std::uint64_t> count = parse_count(text);
     if (count && (*count < least || *count > most))

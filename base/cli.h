@@ -89,6 +89,9 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
 // A check of an argument: the name of a file of the right kind (".latent"). `otherwise`: what follows if it is not ("; ...").
 CLI::Validator ends_in(const std::string& extension, const std::string& otherwise = "");
 
+// For names that mean something else if none is given: an empty one, of an unset variable of the shell, say, is misuse.
+CLI::Validator not_empty();
+
 // Writes what was asked for to standard output, without what would steer a terminal. Never fails here: `parse` tells what happens
 // if it cannot be written.
 void print(const std::string& text);

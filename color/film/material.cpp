@@ -199,12 +199,19 @@ Status check_curves(const Material& material, const Columns& curves) {
         return wrong(fmt::format("log exposures must be 0.05 apart without gaps, but {} follows {}", h[i], h[i - 1]));
     }
     if (h.size() < 20) return wrong("needs at least 20 rows");
-    constexpr double kLeast = -0.1, kMost = 10, kLeastRange = 0.5;  // of density; noise may be below 0
+    constexpr double kLeast = -0.1, kMost = 10, kLeastRange = 0.5, kMostReturn = 0.02;  // of density; noise may be below 0
     for (std::size_t c = 1; c < curves.names.size(); ++c) {
         const std::vector<double>& density = curves.values[c];
-        for (const double d : density) {
+        double extreme = density.front();
+        for (std::size_t i = 0; i < density.size(); ++i) {
+            const double d = density[i];
             if (!(d >= kLeast && d <= kMost))
                 return wrong(fmt::format("{}: {} is not a density from 0 to {}", curves.names[c], d, kMost));
+            extreme = material.positive() ? std::min(extreme, d) : std::max(extreme, d);
+            if (std::abs(d - extreme) > kMostReturn) {
+                return wrong(fmt::format("{}: must {} where exposure rises, but is {} at {} after {}", curves.names[c],
+                                         material.positive() ? "fall" : "rise", d, h[i], extreme));
+            }
         }
         const double rise = density.back() - density.front();
         if ((material.positive() ? -rise : rise) < kLeastRange) {

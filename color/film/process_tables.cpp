@@ -35,6 +35,32 @@ LayerTables tables_of(const std::array<Table1, 3>& axes,
     return tables;
 }
 
+// Numbers at n places of an axis, which has `inner` of them at each place, `outer` times; with those halfway between them, by
+// cubics through four places.
+std::vector<double> refined(const std::vector<double>& from, std::size_t outer, std::size_t n, std::size_t inner) {
+    std::vector<double> to(outer * (2 * n - 1) * inner);
+    for (std::size_t o = 0; o < outer; ++o) {
+        for (std::size_t i = 0; i < n; ++i) {
+            const double* const at = &from[(o * n + i) * inner];
+            double* const out = &to[(o * (2 * n - 1) + 2 * i) * inner];
+            std::copy_n(at, inner, out);
+            if (i + 1 == n) continue;
+            const bool first = i == 0, last = i + 2 == n;
+            // The four places begin at `four`, of which the third and fourth, or the first and second, lie outside at the ends.
+            const double* const four = first ? at : last ? at - 2 * inner : at - inner;
+            const std::array<double, 4> weights = first  ? std::array{5.0, 15.0, -5.0, 1.0}
+                                                  : last ? std::array{1.0, -5.0, 15.0, 5.0}
+                                                         : std::array{-1.0, 9.0, 9.0, -1.0};
+            for (std::size_t x = 0; x < inner; ++x) {
+                double sum = 0;
+                for (std::size_t k = 0; k < 4; ++k) sum += weights[k] * four[k * inner + x];
+                out[inner + x] = sum / 16;
+            }
+        }
+    }
+    return to;
+}
+
 }  // namespace
 
 Table1 tabulated(double first, double last, double step, const std::function<double(double)>& f) {
@@ -60,12 +86,12 @@ LayerTables coupling_tables(const std::array<Table1, 3>& amounts, const Coupling
 
 Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves& weights, const Triple& least,
                             const Triple& most) {
-    constexpr int kN = Table3::kNodes;
+    constexpr std::size_t kNodes = Table3::kNodes, kN = (kNodes + 1) / 2;  // every other one; those between are as good by cubics
     Table3 table;
     std::array<std::vector<Curve>, 3> passed;  // by dye: transmittance of the amount at each node
     for (std::size_t c = 0; c < 3; ++c) {
         const double step = (most[c] - least[c]) / (kN - 1);
-        set_axis(table, c, static_cast<float>(least[c]), static_cast<float>(1 / step), kN);
+        set_axis(table, c, static_cast<float>(least[c]), static_cast<float>(2 / step), kNodes);
         for (std::size_t i = 0; i < kN; ++i) {
             Curve density = stock.dyes()[c];
             for (double& d : density) d *= least[c] + static_cast<double>(i) * step;
@@ -81,7 +107,7 @@ Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t i = 0; i < kNm; ++i) through_base[k][i] = light[i] * weights[k][i] * base[i];
     }
-    table.v.resize(3 * kN * kN * kN + 1);
+    std::vector<double> logs(3 * kN * kN * kN);
     for (std::size_t i = 0; i < kN; ++i) {
         for (std::size_t j = 0; j < kN; ++j) {
             for (std::size_t c = 0; c < 3; ++c) {
@@ -91,10 +117,13 @@ Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves
                     for (std::size_t k = 0; k < kN; ++k) sums[k] += weight * last[n][k];
                 }
                 for (std::size_t k = 0; k < kN; ++k)
-                    table.v[Table3::place(i, j, k) + c] = static_cast<float>(color::log10_of(std::max(sums[k], 1e-30)));
+                    logs[3 * ((i * kN + j) * kN + k) + c] = color::log10_of(std::max(sums[k], 1e-30));
             }
         }
     }
+    logs = refined(refined(refined(logs, kN * kN, kN, 3), kN, kN, 3 * kNodes), 1, kN, 3 * kNodes * kNodes);
+    table.v.assign(logs.begin(), logs.end());
+    table.v.push_back(0);
     return table;
 }
 

@@ -34,12 +34,11 @@ LayerTables coupling_tables(const std::array<Table1, 3>& amounts, const Coupling
 
 // Three numbers for three numbers, linear in each between kNodes equidistant places; level outside.
 struct Table3 {
-    static constexpr int kNodes = 33;
+    static constexpr int kNodes = 65;
     std::array<float, 4> first{}, per_unit{}, last{};  // as of LayerTables
-    std::vector<float> v;                              // three for each place, the last axis runs fastest; and one that is not used
+    std::vector<float> v;                              // three for each place, the last axis runs fastest; and one more, not used
 
     bool empty() const { return v.empty(); }
-    static std::size_t place(std::size_t i, std::size_t j, std::size_t k) { return 3 * ((i * kNodes + j) * kNodes + k); }
 };
 
 // log10 of the integrals of light 10^-density by three weights, over amounts of dye from `least` to `most`.

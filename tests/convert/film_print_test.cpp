@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/convert/test_picture.h"
 
@@ -105,6 +106,38 @@ TEST_F(FilmPrint, IsOfAFilmExposedForTheMeanOfThePictureUnlessASensitivityIsGive
         tool("bright.exr", {"--paper", paper, "-s", "1"});
         EXPECT_GT(code("a.png"), brighter);
     }
+}
+
+TEST_F(FilmPrint, ExposuresThatAreNotFiniteAreCountedAndOthersPrintAsBefore) {
+    write("odd.exr", "portra-400", "400", [](int x, int y) {
+        std::array<float, 3> h = exposures(x, y);
+        if (y == 0 && x == 3) h[1] = std::numeric_limits<float>::quiet_NaN();
+        if (y == 0 && x == 5) h[2] = std::numeric_limits<float>::infinity();
+        return h;
+    });
+    for (const char* paper : {"endura", "scan"}) {
+        ConvertOptions options = on(paper);
+        options.sensitivity = 1;
+        options.dither = color::Dither::kNone;
+        const Result<ConvertReport> report = print("odd.exr", std::string(paper) + ".png", options);
+        ASSERT_TRUE(report) << report.error().message;
+        EXPECT_EQ(report->print.nan, 1u);
+        EXPECT_EQ(report->print.infinite, 1u);
+        Bytes odd = image::decode_png(folder_ / (std::string(paper) + ".png")).pixels, plain = pixels("plain.png", options);
+        std::filesystem::remove(folder_ / "plain.png");
+        for (const std::size_t x : {3, 5}) std::fill_n(odd.begin() + 3 * static_cast<std::ptrdiff_t>(x), 3, plain[0]);
+        for (const std::size_t x : {3, 5}) std::fill_n(plain.begin() + 3 * static_cast<std::ptrdiff_t>(x), 3, plain[0]);
+        EXPECT_EQ(odd, plain);
+    }
+}
+
+TEST_F(FilmPrint, OfAnotherFilmThanTheExposedOneIsRefused) {
+    ConvertOptions options = on("endura");
+    options.darkroom.film = "portra-160";
+    const Result<ConvertReport> report = print("film.exr", "a.png", options);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(report.error().message, HasSubstr("exposures of portra-400, not of portra-160"));
 }
 
 TEST_F(FilmPrint, SaysWhatItWasMadeOf) {

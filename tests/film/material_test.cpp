@@ -127,7 +127,7 @@ TEST_F(OwnMaterial, WithCurvesThatNoFilmHasIsRefused) {
         return refused();
     };
     EXPECT_THAT(with(0.5, 0), HasSubstr("mine.curves.csv: r: must rise by 0.5 or more"));
-    EXPECT_THAT(with(2.5, -0.05), HasSubstr("r: must rise by 0.5 or more where exposure rises, but is 2.5 in the first row"));
+    EXPECT_THAT(with(2.5, -0.05), HasSubstr("r: must rise where exposure rises, but is 2.45 at -1.95 after 2.5"));
     EXPECT_THAT(with(0.5, 1), HasSubstr("r: 10.5 is not a density from 0 to 10"));
     EXPECT_THAT(with(-1, 0.1), HasSubstr("r: -1 is not a density"));
 }

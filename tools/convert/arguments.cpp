@@ -22,7 +22,8 @@ void add_darkroom(CLI::App& app, DarkroomOptions& darkroom) {
     app.add_option(
            "--paper", darkroom.paper,
            "print exposures that latent-develop --film wrote: a paper, print film, scan, light-table or projection; see below")
-        ->type_name("NAME");
+        ->type_name("NAME")
+        ->check(cli::not_empty());
     app.add_flag_callback(
         "--list-papers",
         [] {
@@ -67,7 +68,8 @@ void add_darkroom(CLI::App& app, DarkroomOptions& darkroom) {
         ->default_str("35mm");
     cli::add_count(app, "--grain-seed", darkroom.seed, "another piece of film: other grain of the same kind");
     app.add_option("--film", darkroom.film, "film that was exposed, if it is your own: FOLDER/NAME (default: as the picture says)")
-        ->type_name("NAME");
+        ->type_name("NAME")
+        ->check(cli::not_empty());
 }
 
 }  // namespace

@@ -40,7 +40,12 @@ Status check_plain(const ConvertOptions& options) {
 
 // The picture holds exposures of a film.
 Result<film::Material> exposed_film(const DarkroomOptions& asked, const Source& source) {
-    return film::find_material(asked.film.empty() ? source.reader.image().film->name : asked.film, true);
+    const std::string& exposed = source.reader.image().film->name;
+    Result<film::Material> film = film::find_material(asked.film.empty() ? exposed : asked.film, true);
+    if (film && film->name != exposed)
+        return usage_error(fmt::format(
+            "the picture holds exposures of {}, not of {}; to change the film, develop the samples again", exposed, film->name));
+    return film;
 }
 
 }  // namespace
@@ -135,8 +140,7 @@ Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& 
     if (!exposed)
         return usage_error(fmt::format(
             "--paper: {} holds no exposures of a film{}; develop its samples again: latent-develop FILE.latent --film portra-400 "
-            "-o "
-            "exposures.exr",
+            "-o exposures.exr",
             input, source.reader.image().emitted_nm.empty() ? ", and spectra cannot be recovered from its colours" : ""));
     if (const std::string_view given = plain_option(options); !given.empty())
         return usage_error(

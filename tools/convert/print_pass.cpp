@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 
+#include <cmath>
+
 #include "base/first_error.h"
 #include "color/luminance_row.h"
 
@@ -78,6 +80,22 @@ void for_each_block(const Source& source, const Rows* light, const std::vector<R
     });
 }
 
+// Exposures that are not finite: to a film, NaN is no light, and infinity is the most.
+void count_not_finite(const std::array<std::span<const float>, 3>& exposures, color::PrintReport& report) {
+    float sum = 0;  // NaN if there is one
+    for (const std::span<const float> layer : exposures) {
+        for (const float x : layer) sum += x * 0;
+    }
+    if (sum == 0) return;
+    for (std::size_t i = 0; i < exposures[0].size(); ++i) {
+        const auto any = [&](const auto& is) { return is(exposures[0][i]) || is(exposures[1][i]) || is(exposures[2][i]); };
+        if (any([](float x) { return std::isnan(x); }))
+            ++report.nan;
+        else if (any([](float x) { return std::isinf(x); }))
+            ++report.infinite;
+    }
+}
+
 void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
                Workbench& bench, Outcome& outcome) {
     const std::size_t width = static_cast<std::size_t>(from.area.width());
@@ -97,6 +115,7 @@ void print_row(const Exposure& exposure, const PassSettings& settings, const Blo
             grain = {{&bench.noise[row], &bench.noise[plane + row], &bench.noise[2 * plane + row]},
                      &settings.emulsion->granularity};
         }
+        count_not_finite(xyz, outcome.print);
         exposure.film->row(static_cast<float>(exposure.sigma), xyz, seen, settings.emulsion ? &grain : nullptr);
         xyz = {seen[0], seen[1], seen[2]};
     }

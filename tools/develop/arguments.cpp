@@ -73,6 +73,7 @@ std::vector<CLI::Option*> add_observer(CLI::App& app, ObserverOptions& options) 
         app.add_option("--film", options.film,
                        "photographic film: the picture holds the exposures of its layers; print it with latent-convert --paper")
             ->type_name("NAME")
+            ->check(cli::not_empty())
             ->excludes(name)
             ->excludes(output)
             ->excludes(balance);
