@@ -34,8 +34,9 @@ class SeenValues {
     SampledSpectrum spectrum(const std::string& input, double x, double y) {
         const SpectrumSource source = textures_->source(look(x, y).spectra.at(input), library_);
         SampledSpectra spectra = at_wavelengths();
-        point_.spectra = &spectra;
-        return source.at(point_);
+        TexturePoint point = point_;
+        point.spectra = &spectra;
+        return source.at(point);
     }
     // What a picture of one linear colour gives.
     SampledSpectrum of_rgb(const std::array<float, 3>& rgb) {
