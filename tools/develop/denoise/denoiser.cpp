@@ -209,6 +209,10 @@ void Denoiser::weigh_surfaces(std::int64_t dx, std::int64_t dy, const PixelRect&
 
 }  // namespace
 
+PixelRect read_by_denoiser(const PixelRect& wanted, const PixelRect& picture) {
+    return intersection(grown(wanted, kDenoiseReach), picture);
+}
+
 DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
     DenoisedValues values;
     values.outputs = names.size();

@@ -24,11 +24,12 @@ struct DenoisedValues {
     static DenoisedValues find(const std::vector<std::string>& names);
 };
 
-// Pixels around one that it may depend on, in each direction.
+// Pixels around one that it may depend on, in each direction; and those of `picture` that `wanted` depends on.
 inline constexpr std::int64_t kDenoiseReach = 8;
+PixelRect read_by_denoiser(const PixelRect& wanted, const PixelRect& picture);
 
 // `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way. `held`
-// must hold all pixels of the picture within kDenoiseReach of `wanted`. `amount`: of the denoised picture (0..1]; the rest is the
+// must hold all that `wanted` depends on. `amount`: of the denoised picture (0..1]; the rest is the
 // noisy one.
 std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
                            const PixelRect& wanted);

@@ -75,8 +75,7 @@ Status DenoisedPicture::denoise() {
         const std::int64_t x = crop_.x0 + static_cast<std::int64_t>(i) % tiles_x * kTile,
                            y = crop_.y0 + static_cast<std::int64_t>(i) / tiles_x * kTile;
         const PixelRect tile = intersection({x, y, x + kTile, y + kTile}, crop_);
-        const PixelRect held = intersection(
-            {tile.x0 - kDenoiseReach, tile.y0 - kDenoiseReach, tile.x1 + kDenoiseReach, tile.y1 + kDenoiseReach}, all_);
+        const PixelRect held = read_by_denoiser(tile, all_);
         const Result<std::vector<float>> noisy = pixels_in(held);
         if (!noisy) return noisy.error();
         const std::vector<float> denoised = develop::denoise(values_, amount_, held, *noisy, tile);

@@ -136,11 +136,6 @@ void add_surface(const sampledb::Job& job, Layers& layers) {
     }
 }
 
-PixelRect read_by_denoiser(const PixelRect& crop, const Size& size) {
-    return intersection({crop.x0 - kDenoiseReach, crop.y0 - kDenoiseReach, crop.x1 + kDenoiseReach, crop.y1 + kDenoiseReach},
-                        {0, 0, size.width, size.height});
-}
-
 // About what holds all records at once, with their windows beside them.
 std::uint64_t memory_for_all(const sampledb::RunSet& run_set, const Channels& channels) {
     constexpr std::uint64_t kBeside = 96 << 20;
@@ -237,7 +232,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     Settings settings;
     settings.width = size->width;
     settings.height = size->height;
-    settings.crop = options.denoise > 0 ? read_by_denoiser(*crop, *size) : *crop;
+    settings.crop = options.denoise > 0 ? read_by_denoiser(*crop, {0, 0, size->width, size->height}) : *crop;
     settings.filter = *filter;
     settings.camera = options.image != "light";
     settings.light = options.image != "camera";
