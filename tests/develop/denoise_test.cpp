@@ -124,6 +124,27 @@ TEST(Denoise, APixelDependsOnThoseWithinReachAlone) {
     }
 }
 
+// All light of a bright pixel is in one half: its standard error is as large as its value. Dark pixels beyond the reach of patches
+// and of measured variances take none of it, although the difference is only one standard error.
+TEST(Denoise, LightOfFewSamplesDoesNotSpreadOverTheDark) {
+    std::mt19937 random(5);
+    std::normal_distribution<float> noise(0, static_cast<float>(kSigma));
+    std::vector<float> pixels;
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+            const bool bright = x >= kSide / 2, first = (random() & 1) != 0;
+            const float half0 = bright ? (first ? 200.0f : 0.0f) : 1 + noise(random),
+                        half1 = bright ? 200 - half0 : 1 + noise(random);
+            pixels.insert(pixels.end(), {(half0 + half1) / 2, 0, half0, half1, 0.5f, 0.5f, 0.5f});
+        }
+    }
+    const std::vector<float> out = denoise(DenoisedValues::find(kNames), 1, kAll, pixels, kAll);
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide / 2 - 3; ++x)
+            EXPECT_NEAR(out[static_cast<std::size_t>(y * kSide + x) * kNames.size()], 1, 4 * kSigma) << x << "," << y;
+    }
+}
+
 class DenoisedFile : public ::testing::Test {
  protected:
     static constexpr std::uint32_t kWidth = 300;

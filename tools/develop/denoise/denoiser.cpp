@@ -13,6 +13,7 @@ constexpr std::int64_t kPatch = 1;           // of what is compared around a pix
 constexpr std::int64_t kVarianceRadius = 2;  // of what a variance is measured in
 static_assert(kDenoiseReach == kRadius + kPatch + kVarianceRadius);
 
+constexpr float kCertain = 0.25f;                                // variance over squared value, at most, when pixels are compared
 constexpr float kBeyond = 1.5f;                                  // squares of differences count down to 0 over so many variances
 constexpr float kNormal = 0.2f, kDepth = 0.04f, kAlbedo = 0.1f;  // differences of surfaces: of depth, relative and per pixel
 constexpr float kSquares = 6;                                    // of these, where weights end
@@ -79,6 +80,10 @@ float falling(float x) {
     const float left = std::max(0.0f, 1 - x);
     return left * left;
 }
+
+// The light of one sample, or of few, cannot show how much it varies: such a pixel would be like all others. Their light would go
+// over to the dark.
+float bounded(float variance, float value) { return std::min(variance, kCertain * value * value); }
 
 struct Channel {
     Plane value, variance;
@@ -154,7 +159,7 @@ void Denoiser::add_neighbours(std::int64_t dx, std::int64_t dy) {
                                *const v = channel.variance.row(y), *const w = channel.variance.row(y + dy) + dx;
             float* const to = squares.row(y);
             for (std::int64_t x = around.x0; x < around.x1; ++x)
-                to[x] += share * ((a[x] - b[x]) * (a[x] - b[x]) / (v[x] + w[x] + 1e-30f));
+                to[x] += share * ((a[x] - b[x]) * (a[x] - b[x]) / (bounded(v[x], a[x]) + bounded(w[x], b[x]) + 1e-30f));
         }
     }
     Plane weights = means_around(squares, pairs, kPatch);
