@@ -234,6 +234,7 @@ void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weigh
         if (side == 4 && plain) return with_shape(Shape<4, 4, kWeights>{side, entries});
         if (side == 3 && plain) return with_shape(Shape<3, 4, kWeights>{side, entries});
         if (side == 2 && plain) return with_shape(Shape<2, 4, kWeights>{side, entries});
+        if (side == 3) return with_shape(Shape<3, 0, kWeights>{side, entries});  // of the default filter, with layers
         return with_shape(Shape<0, 0, kWeights>{side, entries});
     };
     switch (weights) {
