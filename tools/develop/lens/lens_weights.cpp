@@ -116,12 +116,14 @@ void LensWeights::set_means(const LensSums& square_sums) {
     double mean = 0, kept = 0;
     for (std::size_t j = 0; j < across; ++j) {
         for (std::size_t i = 0; i < across; ++i) {
-            const auto all_of = [&](const LensSums& sums) { return between_rims(sums, kWholeLens, 1, place(i), place(j)); };
-            const Moments here{all_of(light_), all_of(square_sums)};
-            means.push_back(static_cast<float>(here.mean));
-            const double area = share(i) * share(j);
-            mean += area * here.mean;
-            kept += area * here.kept();
+            const auto all_of = [&](const LensSums& sums, std::size_t rows) {
+                return between_rims(sums, kWholeLens, rows, place(i), place(j));
+            };
+            constexpr std::size_t kRows = 8;  // of what is only reported
+            const double here = all_of(light_, 1), area = share(i) * share(j);
+            means.push_back(static_cast<float>(here));
+            mean += area * here;
+            kept += area * Moments{all_of(light_, kRows), all_of(square_sums, kRows)}.kept();
         }
     }
     mean_ *= mean;
