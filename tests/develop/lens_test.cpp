@@ -9,12 +9,9 @@
 #include <random>
 #include <string_view>
 
-#include "tests/color/simd_targets.h"
 #include "tests/develop/developed.h"
 #include "tests/faults/process.h"
 #include "tools/develop/lens/lens_columns.h"
-#include "tools/develop/lens/lens_rows.h"
-#include "tools/develop/lens/lens_weights.h"
 #include "tools/develop/lens/refocused.h"
 #include "tools/develop/picture/picture.h"
 
@@ -319,57 +316,6 @@ TEST(Focus, CountsRecordsThatAreNotFiniteWhereTheyAreMoved) {
     const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings_for(72, 48), 2, nullptr, {}, lens);
     EXPECT_LT(on_film, records.size() / 37);
     EXPECT_EQ(developed.counts.camera_not_finite, on_film);
-}
-
-// Rows of a vector each and rows that are left, on the film and beside it. A cell is a prefix of a position.
-TEST(Focus, MovesRowsAlikeOnEveryInstructionSet) {
-    std::mt19937 random(5);
-    std::vector<std::uint32_t> u(1003), v(u.size());
-    std::vector<std::uint8_t> x(u.size()), y(u.size());
-    for (std::size_t i = 0; i < u.size(); ++i) {
-        u[i] = static_cast<std::uint32_t>(random()), v[i] = static_cast<std::uint32_t>(random());
-        x[i] = static_cast<std::uint8_t>(random()), y[i] = static_cast<std::uint8_t>(random());
-    }
-    std::array<LensMoves, 2> moves{};
-    for (std::size_t i = 0; i < kLensCells; ++i)
-        moves[0][i] = static_cast<std::int32_t>(random()), moves[1][i] = static_cast<std::int32_t>(random()) / 8;
-    constexpr int kLevel = 5;
-    const PixelRect wanted{3, 0, 29, 32};
-    color::with_every_simd_target([&] {
-        std::vector<std::uint32_t> moved_u = u, moved_v = v, cells(u.size());
-        move_on_film(moves, {x.data(), y.data()}, kLevel, wanted, moved_u, moved_v.data(), cells.data());
-        for (std::size_t i = 0; i < u.size(); ++i) {
-            const std::int64_t new_u = u[i] + 2 * std::int64_t{moves[0][x[i]]}, new_v = v[i] + 2 * std::int64_t{moves[1][y[i]]};
-            ASSERT_EQ(moved_u[i], static_cast<std::uint32_t>(new_u));
-            ASSERT_EQ(moved_v[i], static_cast<std::uint32_t>(new_v));
-            const std::int64_t column = (new_u >> (32 - kLevel)) - wanted.x0, row = (new_v >> (32 - kLevel)) - wanted.y0;
-            const bool is_wanted = column >= 0 && column < wanted.width() && row >= 0 && row < wanted.height();
-            ASSERT_EQ(cells[i], is_wanted ? row * wanted.width() + column : wanted.width() * wanted.height());
-        }
-    });
-}
-
-// Bits, not values nearby: pictures must not depend on the processor.
-TEST(Aperture, WeighsAlikeOnEveryInstructionSet) {
-    const Job job = job_with_lens();
-    Records records = records_of(job, {0, 4099}, {.light_per_sample = 0});
-    LensChoice lens = choice("cat-eye:0.6,gaussian");
-    lens.exposure_follows = true;
-    const Result<LensWeights> weights = LensWeights::make(job, lens);
-    ASSERT_TRUE(weights);
-    sampledb::Page page;
-    page.record_class = RecordClass::kCamera;
-    page.count = static_cast<std::uint32_t>(records.size());
-    page.u = records.u, page.v = records.v;
-    page.extra = records.extra;
-    std::vector<float> first;
-    color::with_every_simd_target([&] {
-        LensWeights::Factors factors;
-        weights->factors(page, 0, page.count, factors);
-        if (first.empty()) first = factors.value;
-        EXPECT_EQ(factors.value, first);
-    });
-    EXPECT_GT(std::ranges::max(first), 2 * std::ranges::min(first));
 }
 
 // In the strip at the border of a refocused picture, light records weigh 1 / M: of the cells that lie in both rims, and that the

@@ -244,9 +244,22 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
     const std::uint32_t elsewhere = moved.elsewhere();
     moved.cell.resize(page.count);
     moved.begin.assign(elsewhere + 2, 0);
+    std::uint32_t* const u = page.u.data();
+    std::uint32_t* const v = page.v.data();
+    std::uint32_t* const its_cell = moved.cell.data();
     std::uint32_t* const count = moved.begin.data() + 1;
-    channels_.lens()->move(page, grid_.level(), moved.wanted, moved.cell.data());
-    for (const std::uint32_t cell : moved.cell) ++count[cell];
+    const LensWeights::Shifts shifts(*channels_.lens(), page);
+    const std::int64_t x0 = moved.wanted.x0, y0 = moved.wanted.y0;
+    const auto width = static_cast<std::uint64_t>(moved.wanted.width()), height = static_cast<std::uint64_t>(moved.wanted.height());
+    const int bits_in_cell = 32 - grid_.level();
+    for (std::size_t row = 0; row < page.count; ++row) {
+        const std::int64_t new_u = shifts.u(row, u[row]), new_v = shifts.v(row, v[row]);
+        u[row] = static_cast<std::uint32_t>(new_u), v[row] = static_cast<std::uint32_t>(new_v);
+        const auto x = static_cast<std::uint64_t>((new_u >> bits_in_cell) - x0);  // huge if it is to the left
+        const auto y = static_cast<std::uint64_t>((new_v >> bits_in_cell) - y0);
+        its_cell[row] = x < width && y < height ? static_cast<std::uint32_t>(y * width + x) : elsewhere;
+        ++count[its_cell[row]];
+    }
     const auto its_x = [&](std::uint32_t cell) {
         return static_cast<std::uint32_t>(moved.wanted.x0 + cell % moved.wanted.width());
     };

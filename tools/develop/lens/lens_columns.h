@@ -41,33 +41,23 @@ inline Status check_lens_columns(const sampledb::Job& job, const std::string& op
                        ", and a camera that has a lens");
 }
 
-// The leading 8 bits of an unsigned number.
-inline std::uint8_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) {
-    const std::size_t width = sampledb::width(column.type);
-    return static_cast<std::uint8_t>(column.values[(row + 1) * width - 1]);
-}
-// Those of rows begin .. end-1. The column must outlive them.
+// The leading 8 bits of unsigned numbers.
 class LeadingBytes {
  public:
-    LeadingBytes(const sampledb::ExtraColumn& column, std::size_t begin, std::size_t end) {
-        if (sampledb::width(column.type) == 1) {
-            first_ = reinterpret_cast<const std::uint8_t*>(column.values.data()) + begin;
-            return;
-        }
-        for (std::size_t row = begin; row < end; ++row) copy_.push_back(leading_byte(column, row));
-        first_ = copy_.data();
-    }
-    const std::uint8_t* data() const { return first_; }
+    LeadingBytes() = default;
+    explicit LeadingBytes(const sampledb::ExtraColumn& column)
+        : width_(sampledb::width(column.type)), first_(column.values.data() + width_ - 1) {}
+    std::size_t operator[](std::size_t row) const { return static_cast<std::size_t>(first_[row * width_]); }
 
  private:
-    std::vector<std::uint8_t> copy_{};
-    const std::uint8_t* first_;
+    std::size_t width_ = 1;
+    const std::byte* first_ = nullptr;
 };
 
 // The middle of a cell of the lens, along x or y of the unit disk.
 inline double middle_of_cell(std::size_t cell) { return (static_cast<double>(cell) + 0.5) / 128 - 1; }
 inline std::array<double, 2> lens_point(const sampledb::Page& page, const std::array<std::size_t, 2>& columns, std::size_t row) {
-    const auto along = [&](std::size_t column) { return middle_of_cell(leading_byte(page.extra[column], row)); };
+    const auto along = [&](std::size_t column) { return middle_of_cell(LeadingBytes(page.extra[column])[row]); };
     return {along(columns[0]), along(columns[1])};
 }
 

@@ -11,6 +11,7 @@ namespace latent::develop {
 namespace {
 
 constexpr int kTimes = 256;
+constexpr std::size_t kAtOnce = 256;  // records, in steps that compilers turn into vectors
 
 // Mean weight, and the mean of its square.
 struct Moments {
@@ -21,7 +22,13 @@ struct Moments {
 
 float fraction_of(std::uint32_t position) { return static_cast<float>(position) * 0x1p-32f; }
 
-FilmRows film_rows(const sampledb::Page& page, std::size_t begin) { return {page.u.data() + begin, page.v.data() + begin}; }
+// The share of a cell, whose middle has this square of the distance from the middle of a rim, that lies within; the edge counts as
+// straight within a cell.
+float within_rim(float square) {
+    constexpr float kPerCell = kLensCells / 2.0f;
+    const float share = (1 - std::sqrt(square)) * kPerCell + 0.5f;
+    return std::min(std::max(share, 0.0f), 1.0f);
+}
 
 }  // namespace
 
@@ -35,15 +42,15 @@ LensSums::LensSums(const std::vector<double>& values) : above_((kLensCells + 1) 
     }
 }
 
-double LensSums::within(const LensRectangle& cells) const {
-    const double* const top = above_.data() + cells.first * kStride;
-    const double* const bottom = above_.data() + cells.last * kStride;
+double LensSums::rows_between(std::size_t first, std::size_t last, double begin, double end) const {
+    const double* const top = above_.data() + first * kStride;
+    const double* const bottom = above_.data() + last * kStride;
     const auto left_of = [&](double x) {
         const int border = static_cast<int>(x);
         const double here = bottom[border] - top[border], next = bottom[border + 1] - top[border + 1];
         return here + (x - border) * (next - here);
     };
-    return left_of(cells.end) - left_of(cells.begin);
+    return left_of(end) - left_of(begin);
 }
 
 std::string LensChoice::text() const {
@@ -94,19 +101,16 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
         squares.push_back(weight * weight * area);
         closed_somewhere = closed_somewhere || (area > 0 && weight == 0);
     }
-    for (std::vector<double>* const values : {&passing, &squares}) {
-        for (double& value : *values) value /= disk;
-    }
     light_ = LensSums(passing);
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
     if (!aperture.is_whole()) cells_ = cells.transmission;
-    set_means(LensSums(squares));
+    set_means(LensSums(squares), disk);
     leaves_out_ = closed_somewhere && mean_ < kNearlyAll;
 }
 
-void LensWeights::set_means(const LensSums& square_sums) {
+void LensWeights::set_means(const LensSums& square_sums, double disk) {
     const std::size_t across = rim_u_ != 0 ? kPatches + 1 : 1;
     const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / kPatches : 0.5f; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
@@ -115,15 +119,20 @@ void LensWeights::set_means(const LensSums& square_sums) {
     std::vector<float> means;  // at the corners of the patches
     double mean = 0, kept = 0;
     for (std::size_t j = 0; j < across; ++j) {
+        std::array<double, kLensCells> chords{};
+        for (std::size_t row = 0; row < kLensCells; ++row) chords[row] = half_chord(middle_of_cell(row), place(j));
         for (std::size_t i = 0; i < across; ++i) {
-            const auto all_of = [&](const LensSums& sums, std::size_t rows) {
-                return between_rims(sums, kWholeLens, rows, place(i), place(j));
-            };
-            constexpr std::size_t kRows = 8;  // of what is only reported
-            const double here = all_of(light_, 1), area = share(i) * share(j);
-            means.push_back(static_cast<float>(here));
-            mean += area * here;
-            kept += area * Moments{all_of(light_, kRows), all_of(square_sums, kRows)}.kept();
+            Moments here;
+            for (std::size_t row = 0; row < kLensCells; ++row) {
+                const auto [begin, end] = in_rear_rim(chords[row], place(i));
+                here.mean += light_.rows_between(row, row + 1, begin, end);
+                here.square += square_sums.rows_between(row, row + 1, begin, end);
+            }
+            here.mean /= disk, here.square /= disk;
+            means.push_back(static_cast<float>(here.mean));
+            const double area = share(i) * share(j);
+            mean += area * here.mean;
+            kept += area * here.kept();
         }
     }
     mean_ *= mean;
@@ -142,8 +151,8 @@ void LensWeights::set_focus(const std::array<double, 2>& film_shift) {
     film_shift_ = film_shift;
     for (std::size_t axis = 0; axis < 2; ++axis) {
         for (std::size_t cell = 0; cell < kLensCells; ++cell)
-            moves_[axis][cell] = static_cast<std::int32_t>(
-                std::floor(std::clamp(film_shift[axis] * middle_of_cell(cell), -1.0, 1 - 0x1p-31) * 0x1p31));
+            moves_[axis][cell] =
+                static_cast<std::int64_t>(std::floor(std::clamp(film_shift[axis] * middle_of_cell(cell), -1.0, 1.0) * 0x1p32));
     }
 }
 
@@ -154,22 +163,18 @@ sampledb::ExtraSet LensWeights::columns() const {
     return columns;
 }
 
-// The sum over those cells of a rectangle through which the rear rim lets a record at (u, v) pass: it is the unit circle, moved
-// towards the centre of the picture's other side. Of so many rows at once, the chord of the middle counts.
-double LensWeights::between_rims(const LensSums& sums, const LensRectangle& cells, std::size_t rows, float u, float v) const {
-    if (rim_u_ == 0) return sums.within(cells);
+// Half of the rear rim's chord at y on the lens, and from where to where it lets light pass there. That rim is the unit circle
+// moved towards the centre of the picture's other side.
+double LensWeights::half_chord(double y_on_lens, float v) const {
+    if (rim_v_ == 0) return 2;  // as wide as the lens everywhere
+    const double y = y_on_lens - static_cast<double>((v - 0.5f) * rim_v_);
+    return std::sqrt(std::max(0.0, 1 - y * y));
+}
+std::array<double, 2> LensWeights::in_rear_rim(double half_chord, float u) const {
     constexpr double kPerCell = kLensCells / 2.0;
-    const double middle = static_cast<double>((u - 0.5f) * rim_u_), height = static_cast<double>((v - 0.5f) * rim_v_);
-    double sum = 0;
-    for (std::size_t row = cells.first; row < cells.last; row += rows) {
-        const std::size_t next = std::min(row + rows, cells.last);
-        const double y = (middle_of_cell(row) + middle_of_cell(next - 1)) / 2 - height;
-        const double half_chord = std::sqrt(std::max(0.0, 1 - y * y));
-        const double from = std::max((middle - half_chord + 1) * kPerCell, cells.begin),
-                     to = std::min((middle + half_chord + 1) * kPerCell, cells.end);
-        if (from < to) sum += sums.within({row, next, from, to});
-    }
-    return sum;
+    const double x = static_cast<double>((u - 0.5f) * rim_u_);
+    return {std::clamp((x - half_chord + 1) * kPerCell, 0.0, double{kLensCells}),
+            std::clamp((x + half_chord + 1) * kPerCell, 0.0, double{kLensCells})};
 }
 
 // The mean weight of records at the places of those of a page.
@@ -178,16 +183,31 @@ void LensWeights::means_at(const sampledb::Page& page, std::size_t begin, std::s
         std::ranges::fill(means, time_mean_);
         return;
     }
-    on_patches(patches_.data(), film_rows(page, begin), time_mean_, means);
+    constexpr float kPatchesPerUnit = kPatches * 0x1p-32f;
+    const Patch* const patches = patches_.data();
+    const std::uint32_t* const u = page.u.data() + begin;
+    const std::uint32_t* const v = page.v.data() + begin;
+    constexpr int kBits = 32 - kPatchBits;
+    constexpr std::uint32_t kWithin = (std::uint32_t{1} << kBits) - 1;
+    std::array<std::uint32_t, kAtOnce> patch;
+    std::array<float, kAtOnce> right, down;
+    for (std::size_t done = 0; done < means.size(); done += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, means.size() - done);
+        for (std::size_t i = 0; i < count; ++i) {
+            patch[i] = v[done + i] >> kBits << kPatchBits | u[done + i] >> kBits;
+            right[i] = static_cast<float>(static_cast<std::int32_t>(u[done + i] & kWithin)) * kPatchesPerUnit;
+            down[i] = static_cast<float>(static_cast<std::int32_t>(v[done + i] & kWithin)) * kPatchesPerUnit;
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            const Patch& p = patches[patch[i]];
+            means[done + i] = (p.corner + right[i] * p.right + down[i] * (p.down + right[i] * p.both)) * time_mean_;
+        }
+    }
 }
 
-// A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them. What
-// passes through these, when `mean` passes through all.
-float LensWeights::passes_on_film(float u, float v, float mean) const {
-    const auto is_inside = [](float position, double shift) {
-        return std::abs(shift) <= static_cast<double>(std::min(position, 1 - position));
-    };
-    if (is_inside(u, film_shift_[0]) && is_inside(v, film_shift_[1])) return mean;
+// A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
+// light through these, over that through all.
+float LensWeights::share_on_film(float u, float v) const {
     constexpr double kPerCell = kLensCells / 2.0;
     const auto cells = [](double position, double shift) {  // whose centres the film has
         if (shift == 0) return std::array<double, 2>{0, kLensCells};
@@ -197,9 +217,24 @@ float LensWeights::passes_on_film(float u, float v, float mean) const {
     };
     const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
     const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
-    constexpr std::size_t kRows = 16;
-    const double light = between_rims(light_, {static_cast<std::size_t>(y0), static_cast<std::size_t>(y1), x0, x1}, kRows, u, v);
-    return light > 0 ? static_cast<float>(light) * time_mean_ : mean;
+    if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
+    const auto first = static_cast<std::size_t>(y0), last = static_cast<std::size_t>(y1);
+    const double seen = light_between(first, last, x0, x1, u, v);
+    return seen > 0 ? static_cast<float>(seen / light_between(0, kLensCells, 0, kLensCells, u, v)) : 1.0f;
+}
+
+// The light of a record at (u, v) through a rectangle of cells.
+double LensWeights::light_between(std::size_t first, std::size_t last, double begin, double end, float u, float v) const {
+    if (rim_u_ == 0) return light_.rows_between(first, last, begin, end);
+    constexpr std::size_t kRows = 8;  // at once: their chords differ little
+    double light = 0;
+    for (std::size_t row = first; row < last; row += kRows) {
+        const std::size_t next = std::min(row + kRows, last);
+        const auto [left, right] = in_rear_rim(half_chord((middle_of_cell(row) + middle_of_cell(next - 1)) / 2, v), u);
+        const double from = std::max(left, begin), to = std::min(right, end);
+        if (from < to) light += light_.rows_between(row, next, from, to);
+    }
+    return light;
 }
 
 void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
@@ -228,30 +263,46 @@ float LensWeights::open(std::size_t time, double v) const {
     return static_cast<float>((curve_->until(to) - curve_->until(from)) * takes / frames_ * kTimes);
 }
 
-std::array<LeadingBytes, 2> LensWeights::its_lens(const sampledb::Page& page, std::size_t begin, std::size_t end) const {
-    const auto along = [&](std::size_t column) { return LeadingBytes(page.extra[column], begin, end); };
-    return {along((*lens_columns_)[0]), along((*lens_columns_)[1])};
-}
-
-void LensWeights::move(sampledb::Page& page, int level, const PixelRect& wanted, std::uint32_t* cells) const {
-    const std::array<LeadingBytes, 2> lens = its_lens(page, 0, page.count);
-    move_on_film(moves_, {lens[0].data(), lens[1].data()}, level, wanted, {page.u.data(), page.count}, page.v.data(), cells);
-}
-
 void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
-    const std::array<LeadingBytes, 2> columns = its_lens(page, begin, begin + weights.size());
-    const LensRows lens{columns[0].data(), columns[1].data()};
-    transmissions(cells_.data(), lens, weights);
-    if (rim_u_ != 0) pass_rear_rim({-rim_u_ / 2, -rim_v_ / 2, rim_u_, rim_v_}, film_rows(page, begin), lens, weights);
+    const LeadingBytes columns(page.extra[(*lens_columns_)[0]]), rows(page.extra[(*lens_columns_)[1]]);
+    if (rim_u_ == 0) {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[rows[begin + i] * kLensCells + columns[begin + i]];
+        return;
+    }
+    // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
+    constexpr float kCell = 2.0f / kLensCells;
+    constexpr int kLeftOut = 8;  // bits of positions: the others are exact as float
+    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-24f,
+                per_v = rim_v_ * 0x1p-24f;
+    std::array<std::int32_t, kAtOnce> x{}, y{};
+    std::array<float, kAtOnce> u{}, v{};
+    const std::uint32_t *const its_u = page.u.data(), *const its_v = page.v.data();
+    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
+        float* const out = weights.data() + done;
+        for (std::size_t i = 0; i < count; ++i) {
+            x[i] = static_cast<std::int32_t>(columns[first + i]), y[i] = static_cast<std::int32_t>(rows[first + i]);
+            out[i] = cells_[static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i])];
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            u[i] = static_cast<float>(static_cast<std::int32_t>(its_u[first + i] >> kLeftOut));
+            v[i] = static_cast<float>(static_cast<std::int32_t>(its_v[first + i] >> kLeftOut));
+        }
+        for (std::size_t i = 0; i < kAtOnce; ++i) {
+            const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * per_u,
+                        dy = static_cast<float>(y[i]) * kCell + from_y - v[i] * per_v;
+            u[i] = within_rim(dx * dx + dy * dy);
+        }
+        for (std::size_t i = 0; i < count; ++i) out[i] *= u[i];
+    }
 }
 
 void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
-    const LeadingBytes times(page.extra[*time_column_], begin, begin + weights.size());
-    const std::uint8_t* const time = times.data();
+    const LeadingBytes time(page.extra[*time_column_]);
     if (rolling_ == 0) {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[time[i]];
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[time[begin + i]];
     } else {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open(time[i], page.v[begin + i] * 0x1p-32);
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open(time[begin + i], page.v[begin + i] * 0x1p-32);
     }
 }
 
@@ -265,23 +316,20 @@ void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::si
     }
     if (time_column_) through_shutter(page, begin, out.share);
     out.value = out.share;
-    float* const value = out.value.data();
-    const std::size_t count = end - begin;
     const bool is_camera = page.record_class == sampledb::RecordClass::kCamera;
-    if (is_camera && !follows_) return;
-    out.mean.resize(count);
-    means_at(page, begin, out.mean);
-    const float* const mean = out.mean.data();
-    if (is_camera) {
-        for (std::size_t i = 0; i < count; ++i) value[i] *= mean[i];
-        return;
+    if (is_camera == follows_) {
+        out.mean.resize(end - begin);
+        means_at(page, begin, out.mean);
+        for (std::size_t i = 0; i < out.value.size(); ++i) {
+            if (is_camera) out.value[i] *= out.mean[i];
+            if (!is_camera && out.value[i] > 0) out.value[i] /= out.mean[i];
+        }
     }
+    if (is_camera) return;
     std::ranges::fill(out.share, 0.0f);
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!(value[i] > 0)) continue;
-        const float passes =
-            moves_records() ? passes_on_film(fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]), mean[i]) : mean[i];
-        value[i] *= (follows_ ? mean[i] : 1) / passes;
+    if (!moves_records() || light_.empty()) return;
+    for (std::size_t i = 0; i < out.value.size(); ++i) {
+        if (out.value[i] > 0) out.value[i] /= share_on_film(fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]));
     }
 }
 

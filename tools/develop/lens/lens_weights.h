@@ -15,7 +15,6 @@
 #include "sampledb/data/page.h"
 #include "tools/develop/lens/aperture.h"
 #include "tools/develop/lens/lens_columns.h"
-#include "tools/develop/lens/lens_rows.h"
 #include "tools/develop/lens/shutter.h"
 
 namespace latent::develop {
@@ -33,20 +32,14 @@ struct LensChoice {
     std::string text() const;  // "aperture 0.35; shutter 0.2:0.5"
 };
 
-// Rows first .. last-1, from one place to another, in cells.
-struct LensRectangle {
-    std::size_t first, last;
-    double begin, end;
-};
-inline constexpr LensRectangle kWholeLens{0, kLensCells, 0, kLensCells};
-
 // Sums of a value over cells of the lens.
 class LensSums {
  public:
     LensSums() = default;
     explicit LensSums(const std::vector<double>& values);  // kLensCells * kLensCells
     bool empty() const { return above_.empty(); }
-    double within(const LensRectangle& cells) const;  // of a cell in part, that part
+    // Over the rows from first to before last, from one place to another, in cells; of a cell in part, that part.
+    double rows_between(std::size_t first, std::size_t last, double begin, double end) const;
 
  private:
     static constexpr std::size_t kStride = kLensCells + 2;  // one more border, which a place at the end reads
@@ -79,8 +72,19 @@ class LensWeights {
 
     // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
     bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
-    // Moves the records of a page, and finds their cells: move_on_film.
-    void move(sampledb::Page& page, int level, const PixelRect& wanted, std::uint32_t* cells) const;
+    // Where the records of a page meet the film: u and v, in units of 2^-32, and the film's shift x their points of the lens. That
+    // may be below 0 or beyond 1.
+    class Shifts {
+     public:
+        Shifts(const LensWeights& weights, const sampledb::Page& page)
+            : moves_(weights.moves_), x_(page.extra[(*weights.lens_columns_)[0]]), y_(page.extra[(*weights.lens_columns_)[1]]) {}
+        std::int64_t u(std::size_t row, std::uint32_t from) const { return from + moves_[0][x_[row]]; }
+        std::int64_t v(std::size_t row, std::uint32_t from) const { return from + moves_[1][y_[row]]; }
+
+     private:
+        const std::array<std::array<std::int64_t, kLensCells>, 2>& moves_;
+        LeadingBytes x_, y_;
+    };
 
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
@@ -90,13 +94,14 @@ class LensWeights {
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
     void set_focus(const std::array<double, 2>& film_shift);
     void set_shutter(const Shutter& shutter, ShutterCurve curve);
-    void set_means(const LensSums& square_sums);
-    std::array<LeadingBytes, 2> its_lens(const sampledb::Page& page, std::size_t begin, std::size_t end) const;
+    void set_means(const LensSums& square_sums, double disk);
     void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
-    float passes_on_film(float u, float v, float mean) const;
-    double between_rims(const LensSums& sums, const LensRectangle& cells, std::size_t rows, float u, float v) const;
+    float share_on_film(float u, float v) const;
+    double light_between(std::size_t first, std::size_t last, double begin, double end, float u, float v) const;
+    double half_chord(double y_on_lens, float v) const;
+    std::array<double, 2> in_rear_rim(double half_chord, float u) const;
     float open(std::size_t time, double v) const;
 
     bool follows_ = false, leaves_out_ = false;
@@ -105,12 +110,18 @@ class LensWeights {
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
     std::vector<float> cells_{};                                // transmission; none: of the whole lens
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
-    std::vector<Patch> patches_{};                              // the mean over the lens; none: 1
+    // The mean over the lens, on kPatches x kPatches patches of the film: at a corner, and what is added to the right of it, below
+    // it, and in both directions.
+    static constexpr int kPatchBits = 5, kPatches = 1 << kPatchBits;
+    struct Patch {
+        float corner, right, down, both;
+    };
+    std::vector<Patch> patches_{};  // none: 1
 
-    LensSums light_{};  // through cells, as shares of the whole lens; none: of the whole lens, in jobs without light records
+    LensSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 
     std::array<double, 2> film_shift_{};
-    std::array<LensMoves, 2> moves_{};
+    std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
 
     std::optional<std::size_t> time_column_{};
     std::optional<ShutterCurve> curve_{};
