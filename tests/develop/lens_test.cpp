@@ -141,14 +141,17 @@ TEST(Shutter, ThatRollsExposesLowerRowsLater) {
     sampledb::Page page;
     page.u = {0}, page.v = {0};
     page.extra = sampledb::extra_columns(job_with_lens());
-    for (const double v : {0.0, 0.5, 0.99}) {
+    for (const double v : {0.0, 0.3337, 0.5, 0.99}) {
         page.v[0] = static_cast<std::uint32_t>(v * 0x1p32);
+        double all = 0;
         for (int time = 0; time < 256; ++time) {
             for (sampledb::ExtraColumn& column : page.extra) column.values = {static_cast<std::byte>(time)};
             const double begin = time / 256.0, end = (time + 1) / 256.0, opens = 0.75 * v, closes = opens + 0.25;
             const double open = std::max(0.0, std::min(end, closes) - std::max(begin, opens)) * 256;
-            EXPECT_NEAR(factor(*weights, page), open, 1e-4);
+            EXPECT_NEAR(factor(*weights, page), open, 1.0 / 64) << "where it begins or ends, by a quarter of a step of its table";
+            all += factor(*weights, page);
         }
+        EXPECT_NEAR(all, 0.25 * 256, 1e-3) << "whatever the row";
     }
 }
 

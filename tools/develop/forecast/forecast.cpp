@@ -115,6 +115,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     constexpr double kSmall = 1 << 16;  // pixels
     constexpr double kMinBytes = 1 << 22;
     constexpr double kMinPixels = 1 << 19, kMaxPixels = 1 << 24;
+    constexpr double kMaxFixed = 1.0 / 3;  // of the last trial: what seems more is the machine's load, which changes between trials
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
     const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
@@ -155,9 +156,11 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     const Result<LinearCost> pixels =
         measure(kSeconds - bytes->spent.wall, std::min(affordable / 4, kMinPixels), area(part.crop), kEnough, develop);
     if (!pixels) return pixels.error();
-    const double times = pixels_in_all / area(part.crop);
+    const double tried = area(part.crop), times = pixels_in_all / tried;
+    const Cost last_cost = pixels->of(tried), fixed = at_most(pixels->fixed, last_cost * kMaxFixed);
+    const Cost pixels_cost = fixed + (last_cost - fixed) * times;
     const double beyond = decoded - static_cast<double>(last.decoded) * times;  // bytes that pieces had no share in, or had twice
-    out.cost = once + at_least(pixels->of(pixels_in_all) + bytes->each * beyond, {});
+    out.cost = once + at_least(pixels_cost + bytes->each * beyond, {});
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

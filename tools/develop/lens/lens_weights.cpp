@@ -20,7 +20,8 @@ struct Moments {
     double kept() const { return square > 0 ? mean * mean / square : 0; }
 };
 
-float fraction_of(std::uint32_t position) { return static_cast<float>(position) * 0x1p-32f; }
+// The leading 24 bits, which are exact as float and are signed for processors that convert only such.
+float fraction_of(std::uint32_t position) { return static_cast<float>(static_cast<std::int32_t>(position >> 8)) * 0x1p-24f; }
 
 // The share of a cell, whose middle has this square of the distance from the middle of a rim, that lies within; the edge counts as
 // straight within a cell.
@@ -83,7 +84,7 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
                             choice.shutter.frames > 1 ? "--frames" : "--shutter"));
         Result<ShutterCurve> curve = ShutterCurve::make(choice.shutter);
         if (!curve) return curve.error();
-        weights.set_shutter(choice.shutter, *std::move(curve));
+        weights.set_shutter(choice.shutter, *curve);
     }
     return weights;
 }
@@ -112,7 +113,7 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
 
 void LensWeights::set_means(const LensSums& square_sums, double disk) {
     const std::size_t across = rim_u_ != 0 ? kPatches + 1 : 1;
-    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / kPatches : 0.5f; };
+    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<double>(k) / kPatches : 0.5; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
         return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / kPatches;
     };
@@ -165,14 +166,14 @@ sampledb::ExtraSet LensWeights::columns() const {
 
 // Half of the rear rim's chord at y on the lens, and from where to where it lets light pass there. That rim is the unit circle
 // moved towards the centre of the picture's other side.
-double LensWeights::half_chord(double y_on_lens, float v) const {
+double LensWeights::half_chord(double y_on_lens, double v) const {
     if (rim_v_ == 0) return 2;  // as wide as the lens everywhere
-    const double y = y_on_lens - static_cast<double>((v - 0.5f) * rim_v_);
+    const double y = y_on_lens - (v - 0.5) * static_cast<double>(rim_v_);
     return std::sqrt(std::max(0.0, 1 - y * y));
 }
-std::array<double, 2> LensWeights::in_rear_rim(double half_chord, float u) const {
+std::array<double, 2> LensWeights::in_rear_rim(double half_chord, double u) const {
     constexpr double kPerCell = kLensCells / 2.0;
-    const double x = static_cast<double>((u - 0.5f) * rim_u_);
+    const double x = (u - 0.5) * static_cast<double>(rim_u_);
     return {std::clamp((x - half_chord + 1) * kPerCell, 0.0, double{kLensCells}),
             std::clamp((x + half_chord + 1) * kPerCell, 0.0, double{kLensCells})};
 }
@@ -207,7 +208,7 @@ void LensWeights::means_at(const sampledb::Page& page, std::size_t begin, std::s
 
 // A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
 // light through these, over that through all.
-float LensWeights::share_on_film(float u, float v) const {
+float LensWeights::share_on_film(double u, double v) const {
     constexpr double kPerCell = kLensCells / 2.0;
     const auto cells = [](double position, double shift) {  // whose centres the film has
         if (shift == 0) return std::array<double, 2>{0, kLensCells};
@@ -215,52 +216,56 @@ float LensWeights::share_on_film(float u, float v) const {
         const auto place = [](double x) { return std::floor(std::clamp((x + 1) * kPerCell, 0.0, double{kLensCells}) + 0.5); };
         return std::array{place(std::min(a, b)), place(std::max(a, b))};
     };
-    const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
-    const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
+    const auto [x0, x1] = cells(u, film_shift_[0]);
+    const auto [y0, y1] = cells(v, film_shift_[1]);
     if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
-    const auto first = static_cast<std::size_t>(y0), last = static_cast<std::size_t>(y1);
-    const double seen = light_between(first, last, x0, x1, u, v);
-    return seen > 0 ? static_cast<float>(seen / light_between(0, kLensCells, 0, kLensCells, u, v)) : 1.0f;
+    const auto [seen, all] = light_between(static_cast<std::size_t>(y0), static_cast<std::size_t>(y1), x0, x1, u, v);
+    return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
 }
 
-// The light of a record at (u, v) through a rectangle of cells.
-double LensWeights::light_between(std::size_t first, std::size_t last, double begin, double end, float u, float v) const {
-    if (rim_u_ == 0) return light_.rows_between(first, last, begin, end);
+// The light of a record at (u, v) through a rectangle of cells, and through all.
+std::array<double, 2> LensWeights::light_between(std::size_t first, std::size_t last, double begin, double end, double u,
+                                                 double v) const {
+    if (rim_u_ == 0) return {light_.rows_between(first, last, begin, end), light_.rows_between(0, kLensCells, 0, kLensCells)};
     constexpr std::size_t kRows = 8;  // at once: their chords differ little
-    double light = 0;
-    for (std::size_t row = first; row < last; row += kRows) {
-        const std::size_t next = std::min(row + kRows, last);
-        const auto [left, right] = in_rear_rim(half_chord((middle_of_cell(row) + middle_of_cell(next - 1)) / 2, v), u);
+    double seen = 0, all = 0;
+    for (std::size_t row = 0; row < kLensCells; row += kRows) {
+        const auto [left, right] = in_rear_rim(half_chord((middle_of_cell(row) + middle_of_cell(row + kRows - 1)) / 2, v), u);
+        all += light_.rows_between(row, row + kRows, left, right);
+        const std::size_t top = std::max(row, first), bottom = std::min(row + kRows, last);
         const double from = std::max(left, begin), to = std::min(right, end);
-        if (from < to) light += light_.rows_between(row, next, from, to);
+        if (top < bottom && from < to) seen += light_.rows_between(top, bottom, from, to);
     }
-    return light;
+    return {seen, all};
 }
 
-void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
-    curve_ = std::move(curve);
-    frame_ = shutter.frame, frames_ = shutter.frames, rolling_ = shutter.rolling;
+void LensWeights::set_shutter(const Shutter& shutter, const ShutterCurve& curve) {
+    const double all = kTimes / static_cast<double>(shutter.frames), exposed = all * (1 - shutter.rolling);  // cells of time
+    // The mean transmission over a cell of time that begins so many cells after a row's exposure.
+    const auto transmission = [&](double after) {
+        return static_cast<float>((curve.until((after + 1) / exposed) - curve.until(after / exposed)) * exposed);
+    };
+    const double begins = shutter.frame * all;
+    const auto of_middle_row = [&](std::size_t time) {
+        return transmission(static_cast<double>(time) - begins - shutter.rolling * all / 2);
+    };
     Moments moments;
     for (std::size_t time = 0; time < open_.size(); ++time) {
-        open_[time] = open(time, 0.5);
+        open_[time] = of_middle_row(time);
         leaves_out_ = leaves_out_ || open_[time] == 0;
         moments.add(static_cast<double>(open_[time]), 1.0 / kTimes);
     }
-    leaves_out_ = leaves_out_ || rolling_ > 0;
-    const double mean = curve_->all() * (1 - rolling_) / frames_;
+    if (shutter.rolling > 0) {
+        leaves_out_ = true;
+        rolling_begins_ = static_cast<float>(begins - 1) * kStepsPerCell;
+        rolling_later_ = static_cast<float>(shutter.rolling * all) * kStepsPerCell;
+        for (double after = -1; after < exposed; after += 1.0 / kStepsPerCell) rolling_open_.push_back(transmission(after));
+        rolling_open_.insert(rolling_open_.end(), 2, 0.0f);
+    }
+    const double mean = curve.all() * (1 - shutter.rolling) / shutter.frames;
     time_mean_ = static_cast<float>(mean);
     mean_ *= mean;
     kept_ *= moments.kept();
-}
-
-// The mean transmission over 1/256 of the exposure, for a row of the picture at v.
-float LensWeights::open(std::size_t time, double v) const {
-    const double begins = frame_ + v * rolling_, takes = 1 - rolling_;
-    const auto moment = [&](int at) { return (at * frames_ / kTimes - begins) / takes; };  // 0 to 1: while the row is exposed
-    const int at = static_cast<int>(time);
-    const double from = moment(at), to = moment(at + 1);
-    if (to <= 0 || from >= 1) return 0;
-    return static_cast<float>((curve_->until(to) - curve_->until(from)) * takes / frames_ * kTimes);
 }
 
 void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
@@ -271,9 +276,7 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
     }
     // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
     constexpr float kCell = 2.0f / kLensCells;
-    constexpr int kLeftOut = 8;  // bits of positions: the others are exact as float
-    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-24f,
-                per_v = rim_v_ * 0x1p-24f;
+    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2;
     std::array<std::int32_t, kAtOnce> x{}, y{};
     std::array<float, kAtOnce> u{}, v{};
     const std::uint32_t *const its_u = page.u.data(), *const its_v = page.v.data();
@@ -285,12 +288,11 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
             out[i] = cells_[static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i])];
         }
         for (std::size_t i = 0; i < count; ++i) {
-            u[i] = static_cast<float>(static_cast<std::int32_t>(its_u[first + i] >> kLeftOut));
-            v[i] = static_cast<float>(static_cast<std::int32_t>(its_v[first + i] >> kLeftOut));
+            u[i] = fraction_of(its_u[first + i]), v[i] = fraction_of(its_v[first + i]);
         }
         for (std::size_t i = 0; i < kAtOnce; ++i) {
-            const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * per_u,
-                        dy = static_cast<float>(y[i]) * kCell + from_y - v[i] * per_v;
+            const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * rim_u_,
+                        dy = static_cast<float>(y[i]) * kCell + from_y - v[i] * rim_v_;
             u[i] = within_rim(dx * dx + dy * dy);
         }
         for (std::size_t i = 0; i < count; ++i) out[i] *= u[i];
@@ -298,11 +300,24 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
 }
 
 void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
-    const LeadingBytes time(page.extra[*time_column_]);
-    if (rolling_ == 0) {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[time[begin + i]];
-    } else {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open(time[begin + i], page.v[begin + i] * 0x1p-32);
+    const LeadingBytes times(page.extra[*time_column_]);
+    if (rolling_open_.empty()) {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[times[begin + i]];
+        return;
+    }
+    const auto last = static_cast<float>(rolling_open_.size() - 2);
+    std::array<float, kAtOnce> step;
+    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
+        for (std::size_t i = 0; i < count; ++i)
+            step[i] = static_cast<float>(static_cast<std::int32_t>(times[first + i]) * kStepsPerCell) - rolling_begins_;
+        for (std::size_t i = 0; i < count; ++i)
+            step[i] = std::min(std::max(step[i] - fraction_of(page.v[first + i]) * rolling_later_, 0.0f), last);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto at = static_cast<std::int32_t>(step[i]);
+            const float* const open = rolling_open_.data() + at;
+            weights[done + i] *= open[0] + (step[i] - static_cast<float>(at)) * (open[1] - open[0]);
+        }
     }
 }
 
@@ -329,7 +344,7 @@ void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::si
     std::ranges::fill(out.share, 0.0f);
     if (!moves_records() || light_.empty()) return;
     for (std::size_t i = 0; i < out.value.size(); ++i) {
-        if (out.value[i] > 0) out.value[i] /= share_on_film(fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]));
+        if (out.value[i] > 0) out.value[i] /= share_on_film(page.u[begin + i] * 0x1p-32, page.v[begin + i] * 0x1p-32);
     }
 }
 

@@ -93,16 +93,15 @@ class LensWeights {
  private:
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
     void set_focus(const std::array<double, 2>& film_shift);
-    void set_shutter(const Shutter& shutter, ShutterCurve curve);
+    void set_shutter(const Shutter& shutter, const ShutterCurve& curve);
     void set_means(const LensSums& square_sums, double disk);
     void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
-    float share_on_film(float u, float v) const;
-    double light_between(std::size_t first, std::size_t last, double begin, double end, float u, float v) const;
-    double half_chord(double y_on_lens, float v) const;
-    std::array<double, 2> in_rear_rim(double half_chord, float u) const;
-    float open(std::size_t time, double v) const;
+    float share_on_film(double u, double v) const;
+    std::array<double, 2> light_between(std::size_t first, std::size_t last, double begin, double end, double u, double v) const;
+    double half_chord(double y_on_lens, double v) const;
+    std::array<double, 2> in_rear_rim(double half_chord, double u) const;
 
     bool follows_ = false, leaves_out_ = false;
     double mean_ = 1, kept_ = 1;
@@ -124,10 +123,13 @@ class LensWeights {
     std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
 
     std::optional<std::size_t> time_column_{};
-    std::optional<ShutterCurve> curve_{};
-    double frame_ = 0, frames_ = 1, rolling_ = 0;
-    std::array<float, 256> open_{};  // transmission at each time; of rows of the middle
+    std::array<float, 256> open_{};  // transmission in each cell of time; of a rolling shutter, for the row in the middle
     float time_mean_ = 1;
+    // Transmission in a cell of time, by the time from the beginning of a row's exposure to that of the cell. Between the entries,
+    // which begin at -1 cell, it is linear, so that its sum over the cells is the same for all rows.
+    static constexpr int kStepsPerCell = 16;
+    std::vector<float> rolling_open_{};             // none: rows are exposed together
+    float rolling_begins_ = 0, rolling_later_ = 0;  // in steps: the first entry, in the first row; how much later it is in the last
 };
 
 }  // namespace latent::develop
