@@ -115,7 +115,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     constexpr double kSmall = 1 << 16;  // pixels
     constexpr double kMinBytes = 1 << 22;
     constexpr double kMinPixels = 1 << 19, kMaxPixels = 1 << 24;
-    constexpr double kMaxFixed = 1.0 / 3;  // of the last trial: what seems more is the machine's load, which changes between trials
+    constexpr double kMaxFixed = 0.1;  // of the last trial: what seems more is the machine's load, which changes between trials
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
     const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
