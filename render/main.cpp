@@ -70,7 +70,7 @@ int main(int argc, char** argv) try {
         return cli::kDone;
     }
     if (line.preview_seconds > 0) {
-        const Result<Preview> shown = preview(**job, options, line.preview_seconds, stop_requested);
+        const Result<Preview> shown = preview(**job, options, line.preview_seconds, !line.keep_noise, stop_requested);
         if (!shown) return cli::fail(shown.error());
         warn_of_files(**job);
         if (!shown->forecast.fits()) cli::warn(too_large(shown->forecast, options.output));

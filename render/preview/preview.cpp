@@ -42,7 +42,8 @@ std::filesystem::path preview_path(const RenderOptions& options) {
     return std::filesystem::path(options.output).replace_extension(".preview.png");
 }
 
-Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
+Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, bool denoise,
+                        const std::atomic<bool>& stop) {
     const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "", min_samples(job)};
     const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
     if (!trial) return trial.error();
@@ -54,6 +55,7 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     picture.output = trial->folder.path() / "preview.exr";
     picture.size = fmt::format("{:.0f}", width_for(job, trial->samples));
     picture.dim_fireflies = true;
+    picture.denoise = denoise ? 1 : 0;
     picture.threads = options.threads;
     const Result<develop::PictureReport> developed = develop::develop_picture(picture, {});
     if (!developed) return place.explained(developed.error());
@@ -66,7 +68,7 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     const Result<convert::ConvertReport> printed = convert::convert(print, {});
     if (!printed) return printed.error();
     const bool is_black = !printed->auto_sigma;
-    return Preview{preview_path(options), printed->width, printed->height, printed->sigma, is_black, *expected};
+    return Preview{preview_path(options), printed->width, printed->height, printed->sigma, is_black, denoise, *expected};
 }
 
 std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
@@ -78,13 +80,15 @@ std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
                           {"height", preview.height},
                           {"samples_per_pixel", per_pixel},
                           {"sensitivity", preview.sensitivity},
-                          {"black", preview.is_black}};
+                          {"black", preview.is_black},
+                          {"denoised", preview.is_denoised}};
         return json_text(out) + "\n";
     }
     const std::string print = preview.is_black ? "all black: check where the camera looks and where the lights are"
                                                : fmt::format("printed with -s {:.4g}", preview.sensitivity);
-    return fmt::format("{}: {} x {} pixels, {:.3g} samples per pixel, {}\n{}", preview.picture.string(), preview.width,
-                       preview.height, per_pixel, print, to_text(preview.forecast, job, false));
+    return fmt::format("{}: {} x {} pixels, {:.3g} samples per pixel{}, {}\n{}", preview.picture.string(), preview.width,
+                       preview.height, per_pixel, preview.is_denoised ? ", denoised" : "", print,
+                       to_text(preview.forecast, job, false));
 }
 
 }  // namespace latent::render

@@ -143,10 +143,10 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     auto* dry = app.add_flag("--dry-run", line.dry_run,
                              "render for two seconds (or --max-time; with pictures as textures, up to four times), then print the "
                              "expected time and file size, and the free space");
-    cli::add_duration(app, "--preview", line.preview_seconds,
-                      "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
-        ->excludes(dry)
-        ->excludes(until);
+    auto* preview = cli::add_duration(app, "--preview", line.preview_seconds,
+                                      "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run");
+    preview->excludes(dry)->excludes(until);
+    app.add_flag("--no-denoise", line.keep_noise, "leave the noise in the preview")->needs(preview);
     dry->excludes(until);
     add_model_arguments(app, line.settings.model);
     app.add_option("--add", line.settings.additions,

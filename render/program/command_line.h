@@ -15,6 +15,7 @@ struct CommandLine {
     bool has_output = false;  // the command line names one
     bool dry_run = false, ignore_space = false;
     double preview_seconds = 0;  // 0: none
+    bool keep_noise = false;     // in the preview
     std::optional<NoiseTarget> until;
 };
 

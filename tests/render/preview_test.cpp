@@ -42,7 +42,7 @@ TEST_F(PreviewTest, APictureIsAllThatItLeavesAndTheNextOneTakesItsPlace) {
     for (int again = 0; again < 2; ++again) {
         const Outcome outcome = render({"--resolution", "60x60", "--spp", "1", "--preview", "60"});  // done long before
         ASSERT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 60 x 60 pixels, 1 samples per pixel"));
+        EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 60 x 60 pixels, 1 samples per pixel, denoised"));
         EXPECT_THAT(outcome.out, HasSubstr("scene: 24 triangles, 1 quadric\n3600 samples would take"));
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
         EXPECT_EQ(png_size("p.preview.png"), (std::pair{60u, 60u}));
@@ -57,9 +57,22 @@ TEST_F(PreviewTest, ABlackPictureIsSaidToBeBlackWithItsForecast) {
     const Outcome outcome = latent::testing::run({latent::testing::tool("latent-render"), scene.string(), "-o",
                                                   (folder_ / "p.latent").string(), "--spp", "4", "--preview", "60"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 20 x 20 pixels, 4 samples per pixel, all black: check where"));
+    EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 20 x 20 pixels, 4 samples per pixel, denoised, all black: check where"));
     EXPECT_THAT(outcome.out, HasSubstr("1600 samples would take"));
     EXPECT_EQ(png_size("p.preview.png"), (std::pair{20u, 20u}));
+}
+
+// Noise takes most of the bytes of a picture.
+TEST_F(PreviewTest, HasNoNoiseUnlessItIsToStay) {
+    const auto bytes = [&](std::vector<std::string> options) {
+        options.insert(options.end(), {"--resolution", "100x100", "--spp", "4", "--preview", "60", "--json"});
+        const Outcome outcome = render(options);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(nlohmann::json::parse(outcome.out)["preview"]["denoised"], options[0] != "--no-denoise");
+        return static_cast<double>(std::filesystem::file_size(folder_ / "p.preview.png"));
+    };
+    EXPECT_LT(bytes({"--quiet"}), 0.8 * bytes({"--no-denoise"}));
+    EXPECT_EQ(render({"--no-denoise", "--dry-run"}).status, 2);
 }
 
 TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
