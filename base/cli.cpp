@@ -166,19 +166,6 @@ std::string missing_command(const CLI::App& app, const std::vector<std::string>&
                        near.empty() ? "choose from " + list : fmt::format("did you mean {}?", near));
 }
 
-// CLI11 says "--output: 1 required TEXT:NAME.latent missing" and "--output: At Most 1 required but received 2".
-std::string in_plain_words(const CLI::ParseError& error) {
-    const std::string what = error.what();
-    // "--gamut: foo not in {luminance,grey,clip}"
-    if (const std::size_t colon = what.find(": "), choices = what.find(" not in {"); choices != what.npos && colon < choices) {
-        std::string list = what.substr(choices + 9, what.size() - choices - 10);
-        for (std::size_t at = 0; (at = list.find(',', at)) != list.npos; at += 2) list.replace(at, 1, ", ");
-        return fmt::format("{}: unknown choice '{}'; choose from {}", what.substr(0, colon),
-                           what.substr(colon + 2, choices - colon - 2), list);
-    }
-    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
-    return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": given more than once");
-}
 // Of an argument that nobody knows: "unknown argument --preveiw (did you mean --preview?)".
 std::string unknown_argument(const CLI::App& app, const std::string& argument) {
     std::vector<std::string> names;
@@ -188,7 +175,8 @@ std::string unknown_argument(const CLI::App& app, const std::string& argument) {
         }
     };
     add_names(&app);
-    for (const CLI::App* command : app.get_subcommands()) add_names(command);
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App* c) { return c->parsed() || c->get_name().empty(); }))
+        add_names(command);
     const std::string option = argument.substr(0, argument.find('='));
     const auto foreign = std::ranges::find(kForeignOptions, std::string_view(option), &ForeignOption::name);
     if (foreign != std::end(kForeignOptions)) return fmt::format("unknown argument {}: {}", argument, foreign->instead);
@@ -218,6 +206,20 @@ CLI::Option* add_positive(CLI::App& app, const std::string& name, Value& value, 
     return add_real(app, name, value, help, 1e-150, 1e150, "a number above 0");
 }
 }  // namespace
+
+// CLI11 says "--output: 1 required TEXT:NAME.latent missing" and "--output: At Most 1 required but received 2".
+std::string in_plain_words(const CLI::ParseError& error) {
+    const std::string what = error.what();
+    // "--gamut: foo not in {luminance,grey,clip}"
+    if (const std::size_t colon = what.find(": "), choices = what.find(" not in {"); choices != what.npos && colon < choices) {
+        std::string list = what.substr(choices + 9, what.size() - choices - 10);
+        for (std::size_t at = 0; (at = list.find(',', at)) != list.npos; at += 2) list.replace(at, 1, ", ");
+        return fmt::format("{}: unknown choice '{}'; choose from {}", what.substr(0, colon),
+                           what.substr(colon + 2, choices - colon - 2), list);
+    }
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
+    return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": given more than once");
+}
 
 const std::string& program() { return program_name(); }
 
@@ -272,6 +274,14 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
         fmt::print(stderr, "{}: {}; see --help\n", program(), printable(what));
         return kUsage;
     }
+}
+
+void add_list(CLI::App& app, const std::string& name, std::string (*list)(), const std::string& help) {
+    const auto show = [list] {
+        print(list());
+        throw CLI::Success();
+    };
+    app.add_flag_callback(name, show, help);
 }
 
 CLI::Validator ends_in(const std::string& extension, const std::string& otherwise) {

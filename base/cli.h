@@ -86,6 +86,9 @@ template <class Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices, const std::string& help);
 
+// A flag that prints what `list` returns instead of doing anything.
+void add_list(CLI::App& app, const std::string& name, std::string (*list)(), const std::string& help);
+
 // A check of an argument: the name of a file of the right kind (".latent"). `otherwise`: what follows if it is not ("; ...").
 CLI::Validator ends_in(const std::string& extension, const std::string& otherwise = "");
 
@@ -99,6 +102,9 @@ void print(const std::string& text);
 // Writes the report of outputs that are complete. Returns `status`; if the report cannot be written, says so and returns
 // kDoneWithLosses: the outputs stay.
 int print_report(const std::string& report, int status);
+
+// What CLI11 says of a misuse, as `parse` says it.
+std::string in_plain_words(const CLI::ParseError& error);
 
 // Prints "PROGRAM: MESSAGE" on stderr; returns kUsage for ErrorCode::kUsage, kStopped for kStopped, else kFailed.
 int fail(const Error& error);

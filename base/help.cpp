@@ -1,12 +1,19 @@
 #include "base/help.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
+#include <vector>
 
 namespace latent::cli {
 
 namespace {
+// Whose options are those of the app itself.
+bool is_section(const CLI::App* app) { return app->get_name().empty(); }
+
 // What stands for the value: a name of our own ("SIZE", "A:B"), or what CLI11 makes of the type and its check: "TEXT",
 // "TEXT:{both,camera,light}", "TEXT:NAME.latent".
 std::string placeholder(const std::string& type) {
@@ -35,12 +42,16 @@ std::string wrapped(const std::string& text, std::size_t width) {
 // What holds for several options: how values are written, where a command inherits options from its tool.
 std::string notes_on_options(const CLI::App& app) {
     bool numbers = false, sizes = false, times = false;
-    for (const CLI::Option* option : app.get_options()) {
-        const std::string type = option->get_type_name();
-        numbers |= type == "N" || type == "X" || type.find("..") != std::string::npos;
-        sizes |= type == "SIZE";
-        times |= type == "TIME";
-    }
+    const auto look_at = [&](const CLI::App& some) {
+        for (const CLI::Option* option : some.get_options()) {
+            const std::string type = option->get_type_name();
+            numbers |= type == "N" || type == "X" || type.find("..") != std::string::npos;
+            sizes |= type == "SIZE";
+            times |= type == "TIME";
+        }
+    };
+    look_at(app);
+    for (const CLI::App* section : app.get_subcommands(is_section)) look_at(*section);
     std::string text;
     if (numbers) text += "Numbers accept K, M, G, T (powers of 1000) and Ki, Mi, Gi, Ti (powers of 1024).\n";
     if (sizes) text += "SIZE is in bytes, where K, M, G, T are powers of 1024.\n";
@@ -55,6 +66,20 @@ class HelpFormatter final : public CLI::Formatter {
         column_width(kHelpIndent);
         label("Positionals", "Arguments");
         label("SUBCOMMAND", "COMMAND");
+    }
+
+    // Options of sections (base/recipe_options.h) follow the others. No tool has both sections and commands.
+    std::string make_subcommands(const CLI::App* app, CLI::AppFormatMode mode) const override {
+        std::string text;
+        std::set<std::string> names;
+        for (const CLI::App* section : app->get_subcommands(is_section)) {
+            std::vector<const CLI::Option*> options;
+            for (const CLI::Option* option : section->get_options()) {
+                if (names.insert(option->get_name()).second) options.push_back(option);
+            }
+            text += make_group(fmt::format("Options that recipes hold ({})", section->get_group()), false, options);
+        }
+        return text.empty() ? CLI::Formatter::make_subcommands(app, mode) : text;
     }
 
     std::string make_description(const CLI::App* app) const override { return app->get_description() + "\n\n"; }
@@ -88,7 +113,8 @@ class HelpFormatter final : public CLI::Formatter {
 void format_help(CLI::App& app) {
     const auto formatter = std::make_shared<HelpFormatter>();
     app.formatter(formatter);
-    for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter)->group("Commands");
+    for (CLI::App* command : app.get_subcommands([](CLI::App* c) { return !is_section(c); }))
+        command->formatter(formatter)->group("Commands");
 }
 
 }  // namespace latent::cli

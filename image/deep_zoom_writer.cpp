@@ -21,13 +21,19 @@ ByteSpan bytes_of(const std::string& text) { return std::as_bytes(std::span(text
 fs::path files_of(const fs::path& path) { return fs::path(path).replace_extension() += "_files"; }
 
 // The text of NAME.dzi [DZI].
+// As a comment of XML, which must not hold "--".
+std::string as_comment(std::string recipe) {
+    for (std::size_t at = 0; (at = recipe.find("--", at)) != std::string::npos; ++at) recipe.replace(at + 1, 1, "\\u002d");
+    return recipe.empty() ? "" : fmt::format("<!-- Recipe: {} -->\n", recipe);
+}
+
 std::string descriptor(int width, int height, const DeepZoomOptions& options) {
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
         "<Image xmlns=\"http://schemas.microsoft.com/deepzoom/2008\" Format=\"{}\" Overlap=\"{}\" TileSize=\"{}\">\n"
         "  <Size Width=\"{}\" Height=\"{}\"/>\n"
-        "</Image>\n",
-        options.png ? "png" : "jpg", options.overlap, options.tile, width, height);
+        "</Image>\n{}",
+        options.png ? "png" : "jpg", options.overlap, options.tile, width, height, as_comment(options.recipe));
 }
 
 class PyramidWriter final : public DeepZoomWriter {

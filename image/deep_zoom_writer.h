@@ -19,6 +19,7 @@ struct DeepZoomOptions {
     JpegOptions jpeg;
     PngOptions png_options;
     bool replace = false;  // --force
+    std::string recipe;    // base/recipe.h, a comment of NAME.dzi; "": none
 };
 
 // Sizes of the pyramid: the picture, then halved (rounding up) until both sides are 1.

@@ -13,6 +13,7 @@
 #include "base/bytes.h"
 #include "base/file.h"
 #include "base/parse.h"
+#include "base/recipe.h"
 #include "image/exr_channels.h"
 
 namespace latent::image {
@@ -93,7 +94,7 @@ struct ExrReader::File {
     Status find_blocks(int wanted_level);
     Status find_channels(const ExrChoice& choice);
     Status read_attributes();
-    std::string words(const char* name) const;
+    std::string words(const char* name, std::size_t longest = 200) const;
     void integrate_row(const std::byte* row, std::size_t width, std::size_t skipped, std::size_t count,
                        const std::array<float*, 3>& out, std::vector<float>& values) const;
     void unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to,
@@ -225,6 +226,7 @@ Status ExrReader::File::read_attributes() {
     }
     if (exr_attr_get_v2f(context, 0, "adoptedNeutral", &neutral) == EXR_ERR_SUCCESS) image.adopted_neutral = {neutral.x, neutral.y};
     image.observer = words("latentObserver");
+    image.recipe = words("latentRecipe", kLongestRecipe);
     const std::string film = words("latentFilm");
     if (film.empty()) return {};
     const auto number = [&](const char* name, double from, double to) -> Result<double> {
@@ -241,12 +243,12 @@ Status ExrReader::File::read_attributes() {
     return {};
 }
 
-// A short attribute of text, as far as it can be shown; "" if there is none.
-std::string ExrReader::File::words(const char* name) const {
+// An attribute of text, unless it is longer than that, as far as it can be shown; "" if there is none.
+std::string ExrReader::File::words(const char* name, std::size_t longest) const {
     const char* text = nullptr;
     std::int32_t length = 0;
-    constexpr std::int32_t kLongest = 200;
-    if (exr_attr_get_string(context, 0, name, &length, &text) != EXR_ERR_SUCCESS || length > kLongest) return "";
+    if (exr_attr_get_string(context, 0, name, &length, &text) != EXR_ERR_SUCCESS || static_cast<std::size_t>(length) > longest)
+        return "";
     std::string shown(text, static_cast<std::size_t>(length));
     std::ranges::replace_if(
         shown, [](char letter) { return letter < ' ' || letter > '~'; }, '?');

@@ -35,6 +35,7 @@ struct ExrImage {
     std::optional<std::array<float, 8>> chromaticities;
     std::optional<std::array<float, 2>> adopted_neutral;  // x, y of what counts as white in the scene
     std::string observer;                                 // that it was developed with; "" if the file is silent
+    std::string recipe{};                                 // the same; base/recipe.h
     std::optional<ExposedFilm> film{};                    // that was exposed
     std::vector<double> emitted_nm{};                     // of channels of emitted light [Fichet21], increasing
 };

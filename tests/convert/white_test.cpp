@@ -99,7 +99,7 @@ TEST_F(Whites, PixelsOfAGreyCardPrintGreyAndTheReportedNumberGivesTheSamePrint) 
     ASSERT_EQ(measured.status, 3) << measured.err;
     EXPECT_NE(measured.out.find("white          0.42,0.39, bradford\n"), std::string::npos) << measured.out;
     ASSERT_EQ(run_tool({at("a.exr"), "-o", at("given.png"), "--white", "0.42,0.39", "--threads", "1"}).status, 3);
-    EXPECT_TRUE(testing::read_text(folder_ / "card.png") == testing::read_text(folder_ / "given.png"));
+    EXPECT_TRUE(image::decode_png(folder_ / "card.png").pixels == image::decode_png(folder_ / "given.png").pixels);
 
     ASSERT_EQ(run_tool({at("a.exr"), "-o", at("plain.png"), "--white", "40,30,50,40", "--no-dither"}).status, 3);
     const Decoded png = image::decode_png(folder_ / "plain.png");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/exr_reader.h"
 #include "sampledb/codec/page_decoder.h"
 
 namespace latent::develop {
@@ -137,6 +138,19 @@ std::vector<ReferencePixel> reference(const sampledb::Job& job, const sampledb::
         }
     }
     return out;
+}
+
+std::vector<float> pixels_of_exr(const std::filesystem::path& path) {
+    const Result<image::ExrReader> reader = image::ExrReader::open(path);
+    EXPECT_TRUE(reader) << reader.error().message;
+    const image::Rect& area = reader->image().data_window;
+    std::vector<float> pixels(3 * area.pixels());
+    image::ExrReader::Scratch scratch;
+    float* const planes = pixels.data();
+    const Status read = reader->read(area, {planes, planes + area.pixels(), planes + 2 * area.pixels()},
+                                     static_cast<std::size_t>(area.width()), scratch);
+    EXPECT_TRUE(read) << read.error().message;
+    return pixels;
 }
 
 }  // namespace latent::develop

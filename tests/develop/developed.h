@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -115,6 +116,9 @@ struct ReferencePixel {
 // The definition, record by record in double precision.
 std::vector<ReferencePixel> reference(const sampledb::Job& job, const sampledb::Records& records, std::uint64_t samples,
                                       const Settings& settings);
+
+// X, Y and Z of a picture file, plane after plane.
+std::vector<float> pixels_of_exr(const std::filesystem::path& path);
 
 Settings settings_for(std::uint32_t width, std::uint32_t height, const char* filter = "quartic");
 

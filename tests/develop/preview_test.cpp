@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/json.h"
+#include "tests/develop/developed.h"
 #include "tests/faults/process.h"
 #include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
@@ -113,7 +114,7 @@ TEST_F(Preview, IsThePictureOfTheRunsThatItNames) {
     EXPECT_EQ(samples, kRuns / 10 * 1024);
     synthetic::write_file(folder_ / "those.latent", synthetic::make_file(job, runs).bytes);
     ASSERT_EQ(run({tool("latent-develop"), path("those.latent"), "-o", path("those.exr"), "--size", "32"}).status, 0);
-    EXPECT_TRUE(read_text(folder_ / "tenth.exr") == read_text(folder_ / "those.exr"));
+    EXPECT_TRUE(pixels_of_exr(folder_ / "tenth.exr") == pixels_of_exr(folder_ / "those.exr"));
 }
 
 TEST_F(Preview, HasASampleForEachPixelAndIsNeverLargerThanTheWhole) {

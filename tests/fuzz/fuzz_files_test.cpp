@@ -5,7 +5,9 @@
 
 namespace latent::fuzz {
 
-std::vector<Target> all_targets() { return {header(), footer(), run(), page(), file(), part(), http(), arguments(), exr(), icc()}; }
+std::vector<Target> all_targets() {
+    return {header(), footer(), run(), page(), file(), part(), http(), arguments(), exr(), icc(), recipe()};
+}
 
 // Else, mutants would end at the first checksum.
 TEST(FuzzMend, AFileThatWasMendedReadsAsBefore) {

@@ -34,6 +34,8 @@ Target part();
 Target http();
 // c_api.cpp
 Target arguments();
+// recipes.cpp
+Target recipe();
 // pictures.cpp
 Target exr();
 Target icc();

@@ -6,7 +6,10 @@
 
 namespace latent::convert {
 
-// Everything but what all tools take.
-void add_arguments(CLI::App& app, ConvertOptions& options);
+// What is decided about the print: the section "convert" of a recipe.
+CLI::App& add_decisions(CLI::App& app, ConvertOptions& options);
+
+// Everything but what all tools take. Returns the section.
+CLI::App& add_arguments(CLI::App& app, ConvertOptions& options);
 
 }  // namespace latent::convert

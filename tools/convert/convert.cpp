@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/parse.h"
+#include "base/recipe.h"
 #include "base/stopwatch.h"
 #include "base/temporary_path.h"
 #include "color/adaptation.h"
@@ -90,6 +91,19 @@ double print_sigma_of(const color::PrintSettings& settings) {
     return settings.tone == color::Tone::kNone ? 1 : settings.curve.exposure_of(kGreyCard) / kGreyCard;
 }
 
+// What the print says of itself: what was decided before, and for it alone.
+Result<std::string> recipe_of_print(const std::string& of_picture, const ConvertOptions& options, double stops) {
+    if (options.recipe.empty()) return "";
+    Recipe recipe = *parse_recipe(options.recipe);
+    if (const Result<Recipe> before = parse_recipe(of_picture); before && before->contains("develop"))
+        recipe["develop"] = (*before)["develop"];
+    Recipe& print = recipe["convert"];
+    const auto whole = static_cast<int>(stops);
+    print["stops"] = whole == stops ? Recipe(whole) : Recipe(stops);
+    if (stops == 0) print.erase("stops");
+    return recipe_text(recipe);
+}
+
 Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const Display& display, color::PrintSettings settings,
                                            const PrintedPicture& picture, const std::shared_ptr<const film::Process>& film) {
     std::vector<Exposure> exposures;
@@ -102,6 +116,9 @@ Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const 
         Exposure exposure{.stops = stops, .sigma = sigma, .print = *print, .film = film, .paths = {}, .sinks = {}};
         PrintedPicture exposed = picture;
         exposed.sigma = sigma;
+        const Result<std::string> recipe = recipe_of_print(picture.recipe, options, stops);
+        if (!recipe) return recipe.error();
+        exposed.recipe = *recipe;
         for (const std::filesystem::path& path : options.outputs) {
             exposure.paths.push_back(options.stops.size() == 1 ? path : with_stops(path, stops));
             Result<std::unique_ptr<Sink>> sink = open_sink(exposure.paths.back(), exposed, display, options);
@@ -175,6 +192,9 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (Status s = check_outputs(options, report.notes); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
+    const std::string& of_picture = source->reader.image().recipe;
+    if (const Result<Recipe> recipe = parse_recipe(of_picture); !of_picture.empty() && !recipe)
+        report.warnings.push_back(fmt::format("{}: its recipe is left out: {}", options.input.string(), recipe.error().message));
     const Result<int> dpi = dpi_of(options, source->area.width());
     if (!dpi) return dpi.error();
     options.dpi = *dpi;
@@ -231,9 +251,11 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const color::PrintSettings settings{options.sensitivity.value_or(1), tone->tone, *gamut, *adaptation * source->xyz_from_file,
                                         tone->curve};
     const image::ExrImage& image = source->reader.image();
-    const Result<std::vector<Exposure>> exposures = exposures_of(
-        options, *display, settings,
-        {source->area, image.display_window, settings.sigma, *white, source->observer, *film ? (*film)->description() : ""}, *film);
+    const Result<std::vector<Exposure>> exposures =
+        exposures_of(options, *display, settings,
+                     {source->area, image.display_window, settings.sigma, *white, source->observer,
+                      *film ? (*film)->description() : "", image.recipe},
+                     *film);
     if (!exposures) return exposures.error();
     PassSettings pass{
         source->xyz_from_file.m[1], display->print_space(), display->proof, display->space,          display->gamut,

@@ -1,5 +1,6 @@
 // latent-convert: from developed pixels to a print.
 #include "base/cli.h"
+#include "base/recipe_options.h"
 #include "base/size.h"
 #include "base/temporary_path.h"
 #include "tools/convert/arguments.h"
@@ -11,12 +12,15 @@ int main(int argc, char** argv) try {
     latent::convert::ConvertOptions options;
     cli::CommonOptions common;
     CLI::App app{"Turn a developed picture of any size into a print for a display.", "latent-convert"};
-    latent::convert::add_arguments(app, options);
+    const CLI::App& decisions = latent::convert::add_arguments(app, options);
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
     options.threads = common.threads;
     options.memory = common.memory;
     options.replace = common.force;
+    const auto recipe = latent::recipe_text(cli::recipe_of(decisions));
+    if (!recipe) return cli::fail(recipe.error());
+    options.recipe = *recipe;
     latent::remove_temporaries_on_signals();
     const auto report = latent::convert::convert(options, cli::progress(common, "printing"));
     if (!report) return cli::fail(report.error());

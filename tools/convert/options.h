@@ -72,6 +72,7 @@ struct ConvertOptions {
     int threads = 0;
     std::uint64_t memory = std::uint64_t{1} << 30;
     bool replace = false;
+    std::string recipe;  // base/recipe.h, that prints keep, with that of the picture; "": none
 
     // A film is exposed whatever tone its print has.
     bool chooses_exposure() const { return auto_exposure || key || (!sensitivity && (tone != "none" || !darkroom.paper.empty())); }

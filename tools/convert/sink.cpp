@@ -124,6 +124,7 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
         if (rendering.intent != Intent::kAbsolute)
             all.emplace_back("BlackPointCompensation", rendering.compensates() ? "yes" : "no");
     }
+    if (!picture.recipe.empty()) all.emplace_back("Recipe", picture.recipe);
     return all;
 }
 
@@ -172,6 +173,7 @@ Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, 
     how.jpeg.quality = options.quality;
     how.png_options.level = options.png_level;
     how.replace = options.replace;
+    how.recipe = picture.recipe;
     image::ImageTags tags;  // of each of thousands of tiles: nothing, where nothing means sRGB
     if (!display.srgb) tags.icc = display.icc;
     const int width = picture.area.width(), height = picture.area.height();

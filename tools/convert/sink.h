@@ -40,6 +40,7 @@ struct PrintedPicture {
     color::Chromaticity white;  // printed neutral
     std::string observer{};     // that the pixels were made for; "": unknown
     std::string film{};         // and its print; "": not on film
+    std::string recipe{};       // base/recipe.h; "": none
 };
 
 class Sink {

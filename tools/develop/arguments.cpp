@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "base/parse.h"
+#include "base/recipe_options.h"
 #include "sampledb/data/parse.h"
 #include "tools/develop/kernel/splat.h"
 
@@ -60,59 +61,49 @@ foreign, missing or non-finite input was left out, or the report could not be
 written.)";
 
 // Returns the options that no spectral picture has.
-std::vector<CLI::Option*> add_observer(CLI::App& app, ObserverOptions& options) {
-    auto* name = app.add_option("--observer", options.name, "observer, camera or film whose response curves are applied; see below")
-                     ->type_name("NAME|FILE.csv");
+std::vector<CLI::Option*> add_observer(CLI::App& section, ObserverOptions& options) {
+    auto* name =
+        section.add_option("--observer", options.name, "observer, camera or film whose response curves are applied; see below")
+            ->type_name("NAME|FILE.csv");
     auto* output =
-        cli::add_choice<bool>(app, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
+        cli::add_choice<bool>(section, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
                               "pixels of a camera: R, G, B of its sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
     auto* balance = cli::add_choice<bool>(
-        app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
+        section, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
         "white balance of a camera: daylight (D65 is (1, 1, 1)), or none (one scale for all channels, set by green)");
     auto* film =
-        app.add_option("--film", options.film,
-                       "photographic film: the picture holds the exposures of its layers; print it with latent-convert --paper")
-            ->type_name("NAME")
+        section
+            .add_option("--film", options.film,
+                        "photographic film: the picture holds the exposures of its layers; print it with latent-convert --paper")
+            ->type_name("NAME|FOLDER/NAME")
             ->check(cli::not_empty())
             ->excludes(name)
             ->excludes(output)
             ->excludes(balance);
-    cli::add_number(app, "--ei", options.exposure_index, "exposure index that the film is exposed for (default: that of its box)",
-                    0.01, 1e6)
+    cli::add_number(section, "--ei", options.exposure_index,
+                    "exposure index that the film is exposed for (default: that of its box)", 0.01, 1e6)
         ->default_str("")
         ->needs(film);
-    cli::add_number(app, "--push", options.push, "stops by which the film is developed longer (negative: shorter)", -1, 2)
+    cli::add_number(section, "--push", options.push, "stops by which the film is developed longer (negative: shorter)", -1, 2)
         ->needs(film);
-    app.add_flag_callback(
-        "--list-films",
-        [] {
-            cli::print(film::list_films());
-            throw CLI::Success();
-        },
-        "list all films: kind, speed, and how complete their data are");
-    auto* filter = app.add_option("--lens-filter", options.lens_filter,
-                                  "filter in front of the lens, such as wratten-25, or mired:131, a conversion filter")
+    auto* filter = section
+                       .add_option("--lens-filter", options.lens_filter,
+                                   "filter in front of the lens, such as wratten-25, or mired:131, a conversion filter")
                        ->type_name("NAME");
-    cli::add_parsed(app, "--filter-factor", options.filter_factor, parse_filter_factor,
+    cli::add_parsed(section, "--filter-factor", options.filter_factor, parse_filter_factor,
                     "factor by which to multiply the exposure; auto makes up for the light of D65 that the filter absorbs")
         ->type_name("none|auto|X")
         ->default_str("none");
-    app.add_flag_callback(
-        "--list-observers",
-        [] {
-            cli::print(list_observers());
-            throw CLI::Success();
-        },
-        "list all observers, cameras, films and filters, with the sources of their numbers");
     return {name, output, balance, film, filter};
 }
 
-void add_lens(CLI::App& app, LensChoice& lens) {
+void add_lens(CLI::App& section, PictureOptions& options) {
+    LensChoice& lens = options.lens;
     const auto aperture = [&lens](const std::string& text) {
         lens.aperture_text = text;
         return parse_aperture(text);
     };
-    cli::add_parsed(app, "--aperture", lens.aperture, aperture,
+    cli::add_parsed(section, "--aperture", lens.aperture, aperture,
                     "smaller aperture: a fraction of the rendered radius, f:N, blades:N[:ROTATION[:CURVATURE]], gaussian, "
                     "anamorphic:X, cat-eye:X, left or right (half of the lens, for stereo); needs files rendered with "
                     "--aov lens")
@@ -121,12 +112,33 @@ void add_lens(CLI::App& app, LensChoice& lens) {
         lens.shutter_text = text;
         return parse_shutter(text);
     };
-    cli::add_parsed(app, "--shutter", lens.shutter, shutter,
+    cli::add_parsed(section, "--shutter", lens.shutter, shutter,
                     "shorter exposure: parts of the one that was rendered, from 0 to 1; soft, film or FILE.csv (time, "
                     "transmission); rolling:X; needs files rendered with --aov time")
-        ->type_name("A:B,...");
-    app.add_flag("--exposure-follows", lens.exposure_follows,
-                 "a smaller aperture and a shorter exposure make a darker picture, as in a camera");
+        ->type_name("A:B,...|FILE.csv");
+    section.add_flag("--exposure-follows", lens.exposure_follows,
+                     "a smaller aperture and a shorter exposure make a darker picture, as in a camera");
+    cli::add_parsed(section, "--focus", options.focus, parse_focus,
+                    "refocus: a distance from the lens in the units of the scene, or a pixel of the picture whose surface is to be "
+                    "sharp (this needs files rendered with --aov depth,lens)")
+        ->type_name("DISTANCE|X,Y");
+    cli::add_count(section, "--frames", options.frames,
+                   "divide the exposure into so many frames, each a picture of its own: NAME.0001.exr, NAME.0002.exr, ...", 1u,
+                   256u);
+}
+
+// Which files are read, where several could be.
+void add_inputs(CLI::App& app, PictureOptions& options) {
+    app.add_flag("--skip-duplicates", options.skip_duplicates, "accept files that hold the same samples; each sample is used once");
+    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
+                    "job to develop, if folders hold several (32 hexadecimal digits)")
+        ->type_name("ID");
+}
+
+void add_lists(CLI::App& app) {
+    cli::add_list(app, "--list-films", film::list_films, "list all films: kind, speed, and how complete their data are");
+    cli::add_list(app, "--list-observers", list_observers,
+                  "list all observers, cameras, films and filters, with the sources of their numbers");
 }
 
 }  // namespace
@@ -145,49 +157,38 @@ Result<double> parse_fraction(std::string_view text) {
     return is_not(text, "a fraction (try 0.01)");
 }
 
-void add_arguments(CLI::App& app, PictureOptions& options) {
-    app.footer(kHelp);
-    app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
-    app.add_option("-o,--output", options.output, "picture to write")
-        ->check(
-            cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
-    app.add_option("--size", options.size,
-                   "size of the whole picture in pixels; W alone keeps the film's aspect (default: what the file was rendered for)")
+CLI::App& add_decisions(CLI::App& app, PictureOptions& options) {
+    CLI::App& section = cli::add_section(app, "develop");
+    section
+        .add_option(
+            "--size", options.size,
+            "size of the whole picture in pixels; W alone keeps the film's aspect (default: what the file was rendered for)")
         ->type_name("W|WxH");
-    cli::add_crop(app, options.crop, "pixels to develop, X1 and Y1 exclusive");
-    app.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
-    const std::vector<CLI::Option*> observer = add_observer(app, options.observer);
-    app.add_option("--light", options.lights,
-                   "change to the lights called NAME: factors, filters or a new spectrum; may be repeated; needs files rendered "
-                   "with --light-groups")
+    cli::add_crop(section, options.crop, "pixels to develop, X1 and Y1 exclusive");
+    section.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
+    const std::vector<CLI::Option*> observer = add_observer(section, options.observer);
+    section
+        .add_option("--light", options.lights,
+                    "change to the lights called NAME: factors, filters or a new spectrum; may be repeated; needs files rendered "
+                    "with --light-groups")
         ->type_name("NAME=X|FILTER|6500K,...")
         ->allow_extra_args(false);
-    add_lens(app, options.lens);
-    cli::add_parsed(app, "--focus", options.focus, parse_focus,
-                    "refocus: a distance from the lens in the units of the scene, or a pixel of the picture whose surface is to be "
-                    "sharp (this needs files rendered with --aov depth,lens)")
-        ->type_name("DISTANCE|X,Y");
-    cli::add_count(app, "--frames", options.frames,
-                   "divide the exposure into so many frames, each a picture of its own: NAME.0001.exr, NAME.0002.exr, ...", 1u,
-                   256u);
-    cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
+    add_lens(section, options);
+    cli::add_parsed(section, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
         ->type_name("A:B");
-    auto* fraction =
-        cli::add_parsed(app, "--fraction", options.fraction, parse_fraction,
-                        "preview: fraction of the samples to develop, in whole runs; each run covers the whole picture")
-            ->type_name("0..1");
-    cli::add_duration(app, "--budget", options.budget_seconds, "preview: time to spend; develops as many runs as it allows")
-        ->excludes(fraction);
-    app.add_option("--image", options.image, "camera image, light image, or both (the picture is their sum)")
+    cli::add_parsed(section, "--fraction", options.fraction, parse_fraction,
+                    "preview: fraction of the samples to develop, in whole runs; each run covers the whole picture")
+        ->type_name("0..1");
+    section.add_option("--image", options.image, "camera image, light image, or both (the picture is their sum)")
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();
-    app.add_flag("--mipmap", options.mipmap, "also store smaller levels, whose pixels are means of those they cover");
-    auto* bins = cli::add_parsed(app, "--spectral-bins", options.spectral_bins, parse_spectral_bins,
+    section.add_flag("--mipmap", options.mipmap, "also store smaller levels, whose pixels are means of those they cover");
+    auto* bins = cli::add_parsed(section, "--spectral-bins", options.spectral_bins, parse_spectral_bins,
                                  "spectral bins to store instead of XYZ, as radiance per nm: a number of bins from 360 to 830 nm, "
                                  "or their range and width in nm")
                      ->type_name("N|FROM:TO:STEP");
     auto* ratio = cli::add_choice<bool>(
-        app, "--estimator", options.ratio, {{"standard", false}, {"ratio", true}},
+        section, "--estimator", options.ratio, {{"standard", false}, {"ratio", true}},
         "estimator of the colours of the camera image: standard is unbiased; ratio has less colour noise with "
         "few samples");
     bins->excludes(ratio);
@@ -198,26 +199,38 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
         return chosen;
     };
     cli::add_parsed(
-        app, "--layers", options.layers, layers,
+        section, "--layers", options.layers, layers,
         "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); of "
         "files rendered with --aov: albedo, normal, depth, position, id; of any other column of the files, by its name: its mean")
         ->type_name("NAME,...");
-    app.add_flag("--halves", options.layers.halves,
-                 "also store the picture of each half of the samples; their difference shows the noise");
-    app.add_flag("--dim-fireflies", options.dim_fireflies,
-                 "dim samples that are far brighter than all others around them; the report gives the light that is lost");
-    app.add_flag("--denoise{1}", options.denoise,
-                 "remove noise, with the help of the layers albedo, normal and depth if the files have them; --denoise=0.5 removes "
-                 "half of it");
-    cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
+    section.add_flag("--halves", options.layers.halves,
+                     "also store the picture of each half of the samples; their difference shows the noise");
+    section.add_flag("--dim-fireflies", options.dim_fireflies,
+                     "dim samples that are far brighter than all others around them; the report gives the light that is lost");
+    section.add_flag("--denoise{1}", options.denoise,
+                     "remove noise, with the help of the layers albedo, normal and depth if the files have them; --denoise=0.5 "
+                     "removes half of it");
+    cli::add_choice<bool>(section, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
+    return section;
+}
+
+CLI::App& add_arguments(CLI::App& app, PictureOptions& options) {
+    app.footer(kHelp);
+    app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
+    app.add_option("-o,--output", options.output, "picture to write")
+        ->check(
+            cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
+    CLI::App& decisions = add_decisions(app, options);
+    cli::add_recipe(app);
+    cli::add_duration(app, "--budget", options.budget_seconds, "preview: time to spend; develops as many runs as it allows")
+        ->excludes(decisions.get_option("--fraction"));
     app.add_option("--simd", options.simd, "instruction set; does not affect pixels")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
     app.add_flag("--ignore-space", options.ignore_space, "start even if the file is not expected to fit on the disk");
-    app.add_flag("--skip-duplicates", options.skip_duplicates, "accept files that hold the same samples; each sample is used once");
-    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
-                    "job to develop, if folders hold several (32 hexadecimal digits)")
-        ->type_name("ID");
+    add_inputs(app, options);
+    add_lists(app);
+    return decisions;
 }
 
 }  // namespace latent::develop

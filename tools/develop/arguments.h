@@ -6,8 +6,11 @@
 
 namespace latent::develop {
 
-// Everything but what all tools take.
-void add_arguments(CLI::App& app, PictureOptions& options);
+// What is decided about the picture: the section "develop" of a recipe.
+CLI::App& add_decisions(CLI::App& app, PictureOptions& options);
+
+// Everything but what all tools take. Returns the section.
+CLI::App& add_arguments(CLI::App& app, PictureOptions& options);
 
 // Of --fraction: above 0, at most 1. Errors: kUsage.
 Result<double> parse_fraction(std::string_view text);

@@ -4,6 +4,7 @@
 
 #include "base/cli.h"
 #include "base/file.h"
+#include "base/recipe_options.h"
 #include "base/temporary_path.h"
 #include "tools/develop/arguments.h"
 #include "tools/develop/picture/picture.h"
@@ -16,7 +17,7 @@ int main(int argc, char** argv) try {
     cli::CommonOptions common;
     bool dry_run = false;
     CLI::App app{"Develop raw samples into an EXR picture of linear XYZ pixels.", "latent-develop"};
-    develop::add_arguments(app, options);
+    const CLI::App& decisions = develop::add_arguments(app, options);
     app.add_flag("--dry-run", dry_run,
                  "develop some runs and pixels for up to two seconds, then print the expected time, memory and file size, and the "
                  "free space; needs no --output")
@@ -33,6 +34,9 @@ int main(int argc, char** argv) try {
     options.replace = common.force;
     options.memory = common.memory;
     options.threads = common.threads;
+    const Result<std::string> recipe = recipe_text(cli::recipe_of(decisions));
+    if (!recipe) return cli::fail(recipe.error());
+    options.recipe = *recipe;
 
     remove_temporaries_on_signals();
     if (dry_run) {

@@ -65,6 +65,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     if (options.denoise > 0) spec.strings.push_back({"latentDenoise", fmt::format("{:g}", options.denoise)});
     if (!options.lens.is_whole()) spec.strings.push_back({"latentLens", lens_text(options)});
     if (options.ratio) spec.strings.push_back({"latentEstimator", "ratio"});
+    if (!options.recipe.empty()) spec.strings.push_back({"latentRecipe", options.recipe});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
         spec.strings.push_back({"spectralLayoutVersion", "1.0"});

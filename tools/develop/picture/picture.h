@@ -46,6 +46,7 @@ struct PictureOptions {
     std::uint64_t memory = std::uint64_t{1} << 30;
     int threads = 0;
     std::string simd = "best";
+    std::string recipe;  // base/recipe.h, that the picture keeps; "": none
 
     bool is_preview() const { return fraction < 1 || budget_seconds > 0; }
 };
