@@ -372,4 +372,10 @@ int fail_with_exception() {
 void warn(const std::string& message) { fmt::print(stderr, "{}: warning: {}\n", program(), printable(message)); }
 void note(const std::string& message) { fmt::print(stderr, "{}: note: {}\n", program(), printable(message)); }
 
+void tell(const std::vector<std::string>& notes, const std::vector<std::string>& warnings, const std::vector<std::string>& losses) {
+    std::ranges::for_each(notes, note);
+    std::ranges::for_each(warnings, warn);
+    std::ranges::for_each(losses, warn);
+}
+
 }  // namespace latent::cli

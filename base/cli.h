@@ -120,6 +120,9 @@ const std::string& program();
 void warn(const std::string& message);
 void note(const std::string& message);
 
+// What a report has to say before it: notes, warnings, and what was lost.
+void tell(const std::vector<std::string>& notes, const std::vector<std::string>& warnings, const std::vector<std::string>& losses);
+
 // What add_count makes: the text of a count that is within the bounds.
 Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t least, std::uint64_t most);
 

@@ -73,7 +73,7 @@ struct ExrReader::Scratch::State {
 };
 
 struct ExrReader::File {
-    latent::File file;
+    std::shared_ptr<const latent::File> file;
     std::filesystem::path path;
     exr_context_t context = nullptr;
     ExrImage image;
@@ -124,14 +124,19 @@ void ExrReader::integrate(std::vector<std::array<float, 3>> weights) {
 }
 
 Result<ExrReader> ExrReader::open(const std::filesystem::path& path, const ExrChoice& choice) {
+    Result<latent::File> file = latent::File::open_read(path);
+    if (!file) return file.error();
+    return open(std::make_shared<const latent::File>(*std::move(file)), path, choice);
+}
+
+Result<ExrReader> ExrReader::open(std::shared_ptr<const latent::File> opened, const std::filesystem::path& path,
+                                  const ExrChoice& choice) {
     auto file = std::make_unique<File>();
-    Result<latent::File> opened = latent::File::open_read(path);
-    if (!opened) return opened.error();
-    file->file = std::move(*opened);
+    file->file = std::move(opened);
     file->path = path;
     fault = {};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    setup.user_data = &file->file;
+    setup.user_data = const_cast<latent::File*>(file->file.get());  // only for reading
     setup.read_fn = read_file;
     setup.size_fn = size_of_file;
     setup.error_handler_fn = keep_message;
@@ -139,7 +144,7 @@ Result<ExrReader> ExrReader::open(const std::filesystem::path& path, const ExrCh
     if (const exr_result_t result = exr_start_read(&file->context, path.c_str(), &setup); result != EXR_ERR_SUCCESS) {
         if (result == EXR_ERR_FILE_BAD_HEADER && !fault.ours) {
             std::array<std::byte, 4> magic{};
-            const Result<std::size_t> got = file->file.read_some(0, magic);
+            const Result<std::size_t> got = file->file->read_some(0, magic);
             if (!got || *got < magic.size() || load_le<std::uint32_t>(magic.data()) != 0x01312f76)
                 return Error{ErrorCode::kForeign, path.string() + ": not an OpenEXR file"};
             return Error{ErrorCode::kTruncated, path.string() + ": its header is damaged or cut off; make the picture again"};
@@ -304,7 +309,7 @@ Status ExrReader::File::read_block(int column, int row, const Rect& area, const 
         const std::size_t row_bytes = static_cast<std::size_t>(block.width()) * channels.pixel_bytes;
         scratch.packed.resize(row_bytes * static_cast<std::size_t>(wanted.height()));
         const std::uint64_t at = chunk.data_offset + row_bytes * static_cast<std::size_t>(wanted.y0 - block.y0);
-        if (Status s = file.read_exact(at, scratch.packed); !s) return s;
+        if (Status s = file->read_exact(at, scratch.packed); !s) return s;
         unpack(scratch.packed.data(), wanted.y0, block, wanted, to, scratch.values);
         return {};
     }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
 #include "base/result.h"
 #include "image/rect.h"
 
@@ -52,6 +53,9 @@ class ExrReader {
     // Channels: R, G, B; or X, Y, Z; or Y; half or float. Errors: kNotFound, kIo, kCorrupt, kForeign (not an EXR), kUnsupported
     // (deep, subsampled or other channels, DWA), kUsage (no such level or layer).
     static Result<ExrReader> open(const std::filesystem::path& path, const ExrChoice& choice = {});
+    // Of a file that is open, perhaps without a name; errors call it `path`.
+    static Result<ExrReader> open(std::shared_ptr<const latent::File> file, const std::filesystem::path& path,
+                                  const ExrChoice& choice = {});
     ExrReader(ExrReader&&) noexcept;
     ~ExrReader();
 

@@ -27,6 +27,7 @@ TEST(Recipes, HoldAllOptionsButThoseThatDecideNothingAboutThePicture) {
     CLI::App develop, convert;
     develop::add_arguments(develop, picture);
     convert::add_arguments(convert, print);
+    // Files, reports, limits, and what is done where something is in the way.
     EXPECT_EQ(names_of(develop),
               (std::set<std::string>{"--help", "FILE", "--output", "--recipe", "--budget", "--simd", "--ignore-space",
                                      "--skip-duplicates", "--job", "--list-films", "--list-observers"}));
@@ -60,10 +61,6 @@ class Prints : public Samples {
         std::vector<std::string> options;
         for (const char* name : kOutputs) options.insert(options.end(), {"-o", path(prefix + name)});
         return options;
-    }
-    static std::vector<std::string> with(std::vector<std::string> a, const std::vector<std::string>& b) {
-        a.insert(a.end(), b.begin(), b.end());
-        return a;
     }
 };
 

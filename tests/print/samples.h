@@ -43,6 +43,10 @@ Shape "sphere" "float radius" 0.8
         std::ifstream file(path(name), std::ios::binary);
         return {std::istreambuf_iterator<char>(file), {}};
     }
+    static std::vector<std::string> with(std::vector<std::string> a, const std::vector<std::string>& b) {
+        a.insert(a.end(), b.begin(), b.end());
+        return a;
+    }
     // Names of files in `options` are in full.
     static Outcome use(const std::string& program, const std::string& input, std::vector<std::string> options) {
         options.insert(options.begin(), {tool(program), path(input), "--quiet", "--force"});

@@ -73,6 +73,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"tools/develop/noise", {"tools/develop/picture"}},
         {"tools/develop", {"tools/develop/noise"}},
         {"tools/convert", {"color/film", "image"}},
+        {"tools/print", {"tools/develop", "tools/convert"}},
         {"tools/inspect", {"sampledb/write", "tools/develop"}},
 
         {"c_api", {"sampledb/write", "tools/merge"}},
@@ -228,7 +229,7 @@ TEST(Structure, EverySourceOfTheRendererHasAHeaderOfItsName) {
 }
 
 TEST(Structure, EveryMainIsATableOfContents) {
-    for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/inspect"}) {
+    for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/print", "tools/inspect"}) {
         const std::string main = content(std::string(tool) + "/main.cpp");
         ASSERT_FALSE(main.empty()) << tool;
         EXPECT_LT(std::count(main.begin(), main.end(), '\n'), 120) << tool;

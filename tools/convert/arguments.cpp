@@ -221,19 +221,23 @@ CLI::App& add_decisions(CLI::App& app, ConvertOptions& options) {
     return section;
 }
 
-CLI::App& add_arguments(CLI::App& app, ConvertOptions& options) {
-    app.footer(help::kConvert);
-    app.add_option("IMAGE", options.input, "EXR picture: from latent-develop, in linear RGB, or spectral")->required();
+void add_outputs(CLI::App& app, ConvertOptions& options) {
     app.add_option("-o,--output", options.outputs, "file to write; may be repeated")
         ->required()
         ->allow_extra_args(false)
         ->type_name("FILE");
-    CLI::App& decisions = add_decisions(app, options);
-    cli::add_recipe(app);
     app.add_option("--compare", options.compare,
                    "Deep Zoom print of the same size; a divider in NAME.html shows it beside the new one")
         ->type_name("OTHER.dzi");
     app.add_flag("--gamut-report", options.gamut_report, "also report the largest shift of hue that gamut mapping causes");
+}
+
+CLI::App& add_arguments(CLI::App& app, ConvertOptions& options) {
+    app.footer(help::kConvert);
+    app.add_option("IMAGE", options.input, "EXR picture: from latent-develop, in linear RGB, or spectral")->required();
+    add_outputs(app, options);
+    CLI::App& decisions = add_decisions(app, options);
+    cli::add_recipe(app);
     add_lists(app);
     return decisions;
 }

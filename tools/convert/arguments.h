@@ -9,6 +9,9 @@ namespace latent::convert {
 // What is decided about the print: the section "convert" of a recipe.
 CLI::App& add_decisions(CLI::App& app, ConvertOptions& options);
 
+// Where prints go, and what is said of them.
+void add_outputs(CLI::App& app, ConvertOptions& options);
+
 // Everything but what all tools take. Returns the section.
 CLI::App& add_arguments(CLI::App& app, ConvertOptions& options);
 

@@ -338,6 +338,21 @@ Result<std::vector<double>> parse_stops(std::string_view text) {
     return *numbers;
 }
 
+Status check(const ConvertOptions& options) {
+    std::vector<std::string> notes;
+    if (Status s = check_outputs(options, notes); !s) return s;
+    if (const auto display = display_from(options.profile, options.luminance_row, options.rendering); !display)
+        return display.error();
+    if (const auto tone = tone_of(options); !tone) return tone.error();
+    for (const double stops : options.stops) {
+        for (const std::filesystem::path& path : options.outputs) {
+            const auto file = OutputFile::create(options.stops.size() == 1 ? path : with_stops(path, stops), options.replace);
+            if (!file) return file.error();
+        }
+    }
+    return {};
+}
+
 Result<ConvertReport> convert(const ConvertOptions& options, const Progress& progress) {
     const Stopwatch stopwatch;
     const Threads threads(options.threads);

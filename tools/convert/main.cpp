@@ -1,7 +1,6 @@
 // latent-convert: from developed pixels to a print.
 #include "base/cli.h"
 #include "base/recipe_options.h"
-#include "base/size.h"
 #include "base/temporary_path.h"
 #include "tools/convert/arguments.h"
 #include "tools/convert/convert.h"
@@ -24,10 +23,7 @@ int main(int argc, char** argv) try {
     latent::remove_temporaries_on_signals();
     const auto report = latent::convert::convert(options, cli::progress(common, "printing"));
     if (!report) return cli::fail(report.error());
-    for (const std::string& note : report->notes) cli::note(note);
-    for (const std::string& warning : report->warnings) cli::warn(warning);
-    if (report->damaged() > 0)
-        cli::warn(latent::counted(report->damaged(), "pixel") + (report->damaged() == 1 ? " was" : " were") + " not finite");
+    cli::tell(report->notes, report->warnings, latent::convert::losses(*report));
     return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),
                              report->damaged() > 0 ? cli::kDoneWithLosses : cli::kDone);
 } catch (...) {

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/file.h"
 #include "base/result.h"
 #include "color/auto_exposure.h"
 #include "color/print.h"
@@ -27,6 +29,7 @@ enum class Depth : std::uint8_t { kDefault, k8, k16, kFloat };
 
 struct ConvertOptions {
     std::filesystem::path input;
+    std::shared_ptr<const File> picture;         // to read instead, an EXR file that has no name; errors call it `input`
     std::vector<std::filesystem::path> outputs;  // the format is the extension's
 
     std::string layer;        // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer

@@ -115,4 +115,9 @@ std::string to_json(const ConvertReport& r) {
     return json_text(json) + "\n";
 }
 
+std::vector<std::string> losses(const ConvertReport& r) {
+    if (r.damaged() == 0) return {};
+    return {counted(r.damaged(), "pixel") + (r.damaged() == 1 ? " was" : " were") + " not finite"};
+}
+
 }  // namespace latent::convert

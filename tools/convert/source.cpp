@@ -104,9 +104,11 @@ Status Source::read(const image::Rect& from, const std::array<float*, 3>& planes
 }
 
 Result<Source> open_source(const ConvertOptions& options) {
-    if (is_url(options.input))
+    if (!options.picture && is_url(options.input))
         return usage_error(shown_name(options.input) + ": a URL, but pictures are read from files; download it first");
-    Result<image::ExrReader> reader = image::ExrReader::open(options.input, {options.level, options.layer, true});
+    const image::ExrChoice choice{options.level, options.layer, true};
+    Result<image::ExrReader> reader = options.picture ? image::ExrReader::open(options.picture, options.input, choice)
+                                                      : image::ExrReader::open(options.input, choice);
     if (!reader && reader.error().code == ErrorCode::kForeign && options.input.extension() == ".latent")
         return Error{ErrorCode::kForeign,
                      fmt::format("{}: holds samples, not pixels; develop it first: latent-develop {} -o {}", options.input.string(),

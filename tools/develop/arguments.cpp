@@ -127,14 +127,6 @@ void add_lens(CLI::App& section, PictureOptions& options) {
                    256u);
 }
 
-// Which files are read, where several could be.
-void add_inputs(CLI::App& app, PictureOptions& options) {
-    app.add_flag("--skip-duplicates", options.skip_duplicates, "accept files that hold the same samples; each sample is used once");
-    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
-                    "job to develop, if folders hold several (32 hexadecimal digits)")
-        ->type_name("ID");
-}
-
 void add_lists(CLI::App& app) {
     cli::add_list(app, "--list-films", film::list_films, "list all films: kind, speed, and how complete their data are");
     cli::add_list(app, "--list-observers", list_observers,
@@ -214,9 +206,18 @@ CLI::App& add_decisions(CLI::App& app, PictureOptions& options) {
     return section;
 }
 
+void add_inputs(CLI::App& app, PictureOptions& options) {
+    app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
+    app.add_flag("--skip-duplicates", options.skip_duplicates, "accept files that hold the same samples; each sample is used once");
+    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
+                    "job to develop, if folders hold several (32 hexadecimal digits)")
+        ->type_name("ID");
+    app.add_flag("--ignore-space", options.ignore_space, "start even if the file is not expected to fit on the disk");
+}
+
 CLI::App& add_arguments(CLI::App& app, PictureOptions& options) {
     app.footer(kHelp);
-    app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
+    add_inputs(app, options);
     app.add_option("-o,--output", options.output, "picture to write")
         ->check(
             cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
@@ -227,8 +228,6 @@ CLI::App& add_arguments(CLI::App& app, PictureOptions& options) {
     app.add_option("--simd", options.simd, "instruction set; does not affect pixels")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
-    app.add_flag("--ignore-space", options.ignore_space, "start even if the file is not expected to fit on the disk");
-    add_inputs(app, options);
     add_lists(app);
     return decisions;
 }

@@ -9,6 +9,9 @@ namespace latent::develop {
 // What is decided about the picture: the section "develop" of a recipe.
 CLI::App& add_decisions(CLI::App& app, PictureOptions& options);
 
+// Which samples are read, and whether the work begins though its disk may be too small.
+void add_inputs(CLI::App& app, PictureOptions& options);
+
 // Everything but what all tools take. Returns the section.
 CLI::App& add_arguments(CLI::App& app, PictureOptions& options);
 

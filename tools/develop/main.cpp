@@ -53,11 +53,8 @@ int main(int argc, char** argv) try {
     for (const develop::PictureOptions& frame : frames) {
         const Result<develop::PictureReport> report = develop::develop_picture(frame, cli::progress(common, "developing"));
         if (!report) return cli::fail(report.error());
-        if (reports.empty()) {  // all frames have the same
-            for (const std::string& note : report->run_set.notes) cli::note(note);
-            for (const std::string& warning : report->warnings) cli::warn(warning);
-            for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
-        }
+        if (reports.empty())
+            cli::tell(report->run_set.notes, report->warnings, develop::losses(*report));  // all frames have the same
         if (report->has_losses()) status = cli::kDoneWithLosses;
         reports.push_back(common.json ? develop::to_json(*report) : develop::to_text(*report));
     }
