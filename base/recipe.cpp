@@ -127,7 +127,8 @@ Result<Recipe> read_recipe(const std::filesystem::path& path) {
 }
 
 Result<std::string> recipe_text(const Recipe& recipe) {
-    Recipe all{{kVersionKey, kRecipeVersion}};
+    Recipe all;
+    all[kVersionKey] = kRecipeVersion;
     for (const std::string_view section : kRecipeSections) {
         if (const auto found = recipe.find(section); found != recipe.end() && !found->empty()) all[section] = *found;
     }

@@ -53,15 +53,18 @@ std::string_view objection(const CLI::Option& option, const Recipe& value) {
 }
 
 void set(CLI::Option& option, const Recipe& value) {
-    const std::vector<Recipe> items = value.is_array() ? value.get<std::vector<Recipe>>() : std::vector{value};
-    for (const Recipe& item : items) {
+    const auto add = [&option](const Recipe& item) {
         if (!item.is_boolean())
             option.add_result(text_of(item));
         else if (item.get<bool>())
             option.add_result(option.get_flag_value(key_of(option), ""));
         else
             option.add_result(is_flag_of_numbers(option) ? "0" : "false");
-    }
+    };
+    if (value.is_array())
+        std::ranges::for_each(value, add);
+    else
+        add(value);
     option.run_callback();
 }
 
@@ -92,7 +95,8 @@ void apply(const std::string& place, CLI::App& section, const Recipe& values) {
         CLI::Option& option = *section.get_option("--" + key);
         if (const std::string_view why = objection(option, value); !why.empty())
             throw refused(place, fmt::format("{}: {}", name, why));
-        if (given.count(&option) > 0 || gives_way(option, given)) continue;
+        const bool is_empty = value.is_array() && value.empty();
+        if (is_empty || given.count(&option) > 0 || gives_way(option, given)) continue;
         try {
             set(option, value);
         } catch (const CLI::ParseError& error) {
@@ -112,23 +116,48 @@ std::string without_folders(const CLI::Option& option, const std::string& text) 
     return slash == std::string::npos ? text : text.substr(slash + 1);
 }
 
-Recipe schema_of(const CLI::Option& option) {
-    Recipe schema{{"description", option.get_description()}};
-    Recipe scalar{{"type", {"string", "number"}}};
-    if (is_flag(option)) scalar = {{"type", "boolean"}};
-    if (is_flag_of_numbers(option)) scalar = {{"type", {"boolean", "number"}}};
+Recipe type_schema(const Recipe& type) {
+    Recipe schema;
+    schema["type"] = type;
+    return schema;
+}
+
+// Of one value of the option.
+Recipe scalar_schema(const CLI::Option& option) {
+    if (is_flag_of_numbers(option)) return type_schema(Recipe::array({"boolean", "number"}));
+    if (is_flag(option)) return type_schema("boolean");
     const std::string type = option.get_type_name();
-    if (const std::size_t begin = type.find(":{"); begin != std::string::npos) {  // of CLI::IsMember
-        scalar = {{"enum", Recipe::array()}};
-        const std::string words = type.substr(begin + 2, type.find('}', begin) - begin - 2);
-        for (const std::string_view word : parts_of(words, ',')) {
-            scalar["enum"].push_back(word);
-            if (const Recipe number = scalar_of(std::string(word)); number.is_number()) scalar["enum"].push_back(number);
-        }
+    const std::size_t begin = type.find(":{");  // of CLI::IsMember
+    if (begin == std::string::npos) return type_schema(Recipe::array({"string", "number"}));
+    Recipe schema;
+    const std::string words = type.substr(begin + 2, type.find('}', begin) - begin - 2);
+    for (const std::string_view word : parts_of(words, ',')) {
+        schema["enum"].push_back(word);
+        if (const Recipe number = scalar_of(std::string(word)); number.is_number()) schema["enum"].push_back(number);
     }
-    if (is_list(option)) scalar = {{"anyOf", {scalar, {{"type", "array"}, {"items", scalar}}}}};
-    schema.update(scalar);
+    return schema;
+}
+
+Recipe schema_of(const CLI::Option& option) {
+    Recipe schema;
+    schema["description"] = option.get_description();
+    const Recipe scalar = scalar_schema(option);
+    if (is_list(option)) {
+        Recipe list = type_schema("array");
+        list["items"] = scalar;
+        schema["anyOf"] = Recipe::array({scalar, list});
+    } else {
+        schema.update(scalar);
+    }
     if (const std::string usual = option.get_default_str(); !usual.empty()) schema["default"] = scalar_of(usual);
+    return schema;
+}
+
+// Of an object with these members and no others.
+Recipe object_schema(const Recipe& members) {
+    Recipe schema = type_schema("object");
+    schema["additionalProperties"] = false;
+    schema["properties"] = members;
     return schema;
 }
 
@@ -166,24 +195,26 @@ Recipe recipe_of(const CLI::App& section) {
         const bool usual = is_flag(*option) ? value == false && !is_switch(*option) : texts.front() == option->get_default_str();
         if (!usual) values[key_of(*option)] = value;
     }
-    return {{section.get_group(), values}};
+    Recipe recipe;
+    recipe[section.get_group()] = values;
+    return recipe;
 }
 
 Recipe recipe_schema(const std::vector<const CLI::App*>& sections) {
-    Recipe schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-                  {"title", "Recipe of a picture and its print, for Latent"},
-                  {"type", "object"},
-                  {"required", {"latent-recipe"}},
-                  {"additionalProperties", false},
-                  {"properties", {{"$schema", {{"type", "string"}}}, {"latent-recipe", {{"const", kRecipeVersion}}}}}};
+    Recipe members;
+    members["$schema"] = type_schema("string");
+    members["latent-recipe"]["const"] = kRecipeVersion;
     for (const CLI::App* section : sections) {
         Recipe keys = Recipe::object();
         for (const CLI::Option* option : section->get_options()) keys[key_of(*option)] = schema_of(*option);
-        schema["properties"][section->get_group()] = {{"description", "options of latent-" + section->get_group()},
-                                                      {"type", "object"},
-                                                      {"additionalProperties", false},
-                                                      {"properties", keys}};
+        members[section->get_group()]["description"] = "options of latent-" + section->get_group();
+        members[section->get_group()].update(object_schema(keys));
     }
+    Recipe schema;
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+    schema["title"] = "Recipe of a picture and its print, for Latent";
+    schema.update(object_schema(members));
+    schema["required"] = Recipe::array({"latent-recipe"});
     return schema;
 }
 

@@ -139,6 +139,7 @@ TEST_F(RecipeOptions, ARecipeGivesTheSameRecipe) {
         EXPECT_EQ(Tool().run({"--recipe", recipe(text)}), develop(text));
     }
     EXPECT_EQ(Tool().run({"--recipe", recipe(R"("tiles": false, "light": "a=1", "tone": "film")")}), develop(R"("light":["a=1"])"));
+    EXPECT_EQ(Tool().run({"--recipe", recipe(R"("light": [])")}), R"({"latent-recipe":1})");
 }
 
 TEST_F(RecipeOptions, TheCommandLineWins) {

@@ -51,6 +51,8 @@ class Exhaustion : public ::testing::Test {
                  "--compression", "zip", "--threads", "3"},
                 {tool("latent-convert"), in("a.exr"), "-o", out / "c.png", "-o", out / "c.tif", "-o", out / "c.jpg", "-o",
                  out / "c.exr", "-o", out / "c.dzi", "--memory", "64M", "--threads", "3"},
+                {tool("latent-print"), in("a.latent"), "-o", out / "p.png", "-o", out / "p.dzi", "--size", "200", "--memory", "64M",
+                 "--threads", "3"},
                 {inspect, "gen", "-o", out / "g.latent", "--records", "40000", "--run-samples", "4096", "--threads", "3"},
                 {inspect, "info", in("a.latent")},
                 {inspect, "verify", in("a.latent"), "--deep", "--threads", "3"},

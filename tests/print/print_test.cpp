@@ -1,4 +1,5 @@
 // latent-print against latent-develop and latent-convert in a row.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/print/samples.h"
@@ -71,6 +72,26 @@ TEST_F(Print, WhatIsWrongWithThePrintIsSaidBeforeSamplesAreRead) {
             "--frames: a print shows one picture; develop the frames with latent-develop, then print each");
     refused({"-o", path("x.png")}, 1, path("nothing.latent") + ": no such file");
     EXPECT_EQ(names(), before);
+}
+
+TEST_F(Print, ADiskThatFailsOrIsFullEndsInOneLineAndLeavesNothing) {
+    const std::vector<std::string> before = names();
+    const std::vector<std::string> command{tool("latent-print"), path("a.latent"), "--quiet", "-o", path("f.png"), "-o",
+                                           path("f.tif")};
+    int met = 0;
+    for (const std::string fault : {"ENOSPC", "EIO"}) {
+        for (int n = 1; n <= 40; n += 1 + n / 3) {
+            const std::string rule = "write:" + std::to_string(n) + ":" + fault;
+            const FaultOutcome outcome = run_with_fault(command, {rule, folder_->path().string()});
+            SCOPED_TRACE(rule + ": " + outcome.err);
+            EXPECT_EQ(outcome.status, outcome.happened ? 1 : 0);
+            EXPECT_EQ(std::ranges::count(outcome.err, '\n'), outcome.happened ? 1 : 0);
+            met += outcome.happened ? 1 : 0;
+            for (const char* name : {"f.png", "f.tif"}) EXPECT_EQ(std::filesystem::remove(path(name)), !outcome.happened) << name;
+            EXPECT_EQ(names(), before);
+        }
+    }
+    EXPECT_GT(met, 4);
 }
 
 TEST_F(Print, ReportsOnBothStepsAsOneObject) {
