@@ -1,0 +1,156 @@
+"""Image textures: their files, and where they lie on a surface."""
+import hashlib
+import os
+
+import numpy as np
+
+ENCODINGS = {"sRGB": "sRGB", "Non-Color": "linear", "Raw": "linear", "Generic Data": "linear", "Linear": "linear", "Linear Rec.709": "linear"}
+WRAPS = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black"}
+EXTENSIONS = {"PNG": ".png", "JPEG": ".jpg", "OPEN_EXR": ".exr", "OPEN_EXR_MULTILAYER": ".exr", "HDR": ".hdr", "TIFF": ".tif", "TARGA": ".tga",
+              "TARGA_RAW": ".tga", "BMP": ".bmp", "WEBP": ".webp"}
+
+
+class Files:
+    """The pictures of a job. Those that lie on the disk stay there; packed and generated ones become files in `folder`."""
+
+    def __init__(self, folder, bakes=None):
+        self.folder, self.bakes, self.known = folder, bakes or {}, {}
+
+    def baked(self, node, output):
+        return self.bakes.get((node.id_data.name, node.name, output.name))
+
+    def path(self, image, unknown):
+        import bpy
+
+        if image.source in ("TILED", "MOVIE", "SEQUENCE"):
+            raise unknown(f"image {image.name} ({image.source.lower()})")
+        disk = bpy.path.abspath(image.filepath, library=image.library) if image.filepath else ""
+        if image.source == "FILE" and not image.packed_file and not image.is_dirty:
+            if not os.path.isfile(disk):
+                raise unknown(f"image {image.name}, whose file is missing")
+            return os.path.realpath(disk)
+        if image.name_full not in self.known:
+            os.makedirs(self.folder, exist_ok=True)
+            self.known[image.name_full] = self.packed(image) if image.packed_file and not image.is_dirty else self.drawn(image, unknown)
+        return self.known[image.name_full]
+
+    def packed(self, image):
+        data = bytes(image.packed_file.data)
+        path = os.path.join(self.folder, hashlib.blake2b(data, digest_size=12).hexdigest() + EXTENSIONS.get(image.file_format, ".png"))
+        with open(path, "wb") as file:
+            file.write(data)
+        return path
+
+    def drawn(self, image, unknown):
+        import bpy
+
+        if not image.has_data and not image.pixels:
+            raise unknown(f"image {image.name}, which is empty")
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        digest = hashlib.blake2b(pixels.data, digest_size=12).hexdigest()
+        if image.is_float:  # what Blender saves as EXR depends on colour spaces; these are the values themselves
+            path = os.path.join(self.folder, digest + ".pfm")
+            width, height = image.size
+            rgb = np.repeat(pixels.reshape(-1, 1), 3, 1) if image.channels == 1 else pixels.reshape(-1, image.channels)[:, :3]
+            with open(path, "wb") as file:
+                file.write(b"PF\n%d %d\n-1.0\n" % (width, height) + np.ascontiguousarray(rgb, "<f4").tobytes())
+            return path
+        path = os.path.join(self.folder, digest + ".png")
+        copy = image.copy()
+        copy.pixels.foreach_set(pixels)
+        copy.filepath_raw, copy.file_format = path, "PNG"
+        copy.save()
+        bpy.data.images.remove(copy)
+        return path
+
+
+def picture(graph, node, output, make, unknown):
+    image = node.image
+    if image is None:
+        raise unknown("an Image Texture without an image")
+    if node.projection != "FLAT":
+        raise unknown(f"an Image Texture with {node.projection.lower()} projection")
+    parameters = {"string filename": graph.files.path(image, unknown), **graph.places.relative(graph, node.inputs["Vector"], 1.0)}
+    parameters.pop("integer dimension", None)
+    space = image.colorspace_settings.name
+    if space not in ENCODINGS:
+        graph.lost(f"image {image.name}: its colour space {space} is read as {'linear' if image.is_float else 'sRGB'}")
+    if not image.is_float:
+        parameters["string encoding"] = ENCODINGS.get(space, "sRGB")
+    if node.extension not in WRAPS:
+        graph.lost(f"image {image.name}: extension {node.extension.lower()} is repeat")
+    parameters["string wrap"] = WRAPS.get(node.extension, "repeat")
+    parameters["string filter"] = "point" if node.interpolation == "Closest" else "bilinear"
+    return make(parameters, output.name == "Color")
+
+
+class Places:
+    """Where the pictures of one material lie. The first one decides which coordinates the mesh gets: a UV map or others, times a matrix.
+    The others may be shifted and scaled relative to it, for pbrt can say that, and no more."""
+
+    def __init__(self, unknown):
+        self.unknown = unknown
+        self.source, self.matrix, self.color = None, None, None
+
+    def need_color(self, name):
+        if self.color not in (None, name):
+            raise self.unknown(f"colour attribute {name} beside {self.color}")
+        self.color = name
+
+    def relative(self, graph, socket, scale):
+        """Parameters of a mapping: those of coordinates times `scale`."""
+        source, matrix = self.coordinates(graph, socket)
+        matrix = np.diag([scale, scale, scale, 1.0]) @ matrix
+        if self.source is None:
+            self.source, self.matrix = source, matrix
+        if source != self.source:
+            raise self.unknown("a texture with other coordinates than the first one of the material")
+        flat = lambda m: m[np.ix_([0, 1, 3], [0, 1, 3])]  # noqa: E731  from u and v to u and v
+        if source[0] != "uv" and not np.allclose(matrix, self.matrix):
+            raise self.unknown("a second texture that is mapped otherwise")
+        if source[0] != "uv":
+            return {}
+        change = flat(matrix) @ np.linalg.inv(flat(self.matrix)) if abs(np.linalg.det(flat(self.matrix))) > 1e-12 else np.eye(3)
+        if abs(change[0, 1]) > 1e-6 or abs(change[1, 0]) > 1e-6:
+            raise self.unknown("a texture that is rotated relative to the first one of the material")
+        wanted = {"float uscale": change[0, 0], "float vscale": change[1, 1], "float udelta": change[0, 2], "float vdelta": change[1, 2]}
+        return {key: float(number) for key, number in wanted.items() if abs(number - ("scale" in key)) > 1e-9}
+
+    def coordinates(self, graph, socket):
+        """("uv", name of the map or ""), ("generated",) or ("object",), and the matrix of Mapping nodes on the way."""
+
+        def linked(node, output):
+            if node.type == "MAPPING":
+                source, matrix = self.coordinates(graph, node.inputs["Vector"])
+                return source, mapping(graph, node, self.unknown) @ matrix
+            if node.type == "UVMAP":
+                return ("uv", node.uv_map), np.eye(4)
+            if node.type == "TEX_COORD" and output.name in ("UV", "Generated", "Object") and not (output.name == "Object" and node.object):
+                return {"UV": ("uv", ""), "Generated": ("generated",), "Object": ("object",)}[output.name], np.eye(4)
+            if node.type == "ATTRIBUTE":
+                return ("uv", node.attribute_name), np.eye(4)
+            raise self.unknown(f"texture coordinates of {node.bl_label} ({output.name})")
+
+        is_picture = socket.node.type == "TEX_IMAGE"
+        return graph.follow(socket, linked, lambda _: (("uv", "") if is_picture else ("generated",), np.eye(4)))
+
+
+def mapping(graph, node, unknown):
+    """The matrix of a Mapping node."""
+    from mathutils import Euler, Matrix
+
+    def vector(name):
+        socket = node.inputs.get(name)
+        if socket is None:
+            return (0.0, 0.0, 0.0)
+        if socket.is_linked:
+            raise unknown(f"Mapping with a linked {name}")
+        return tuple(socket.default_value)
+
+    location, scale = Matrix.Translation(vector("Location")), Matrix.Diagonal((*vector("Scale"), 1.0))
+    turn = Euler(vector("Rotation")).to_matrix().to_4x4()
+    kinds = {"POINT": lambda: location @ turn @ scale, "TEXTURE": lambda: (location @ turn @ scale).inverted_safe(), "VECTOR": lambda: turn @ scale}
+    if node.vector_type not in kinds:
+        raise unknown("Mapping of normals")
+    return np.array(kinds[node.vector_type]())
