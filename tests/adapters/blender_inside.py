@@ -111,7 +111,32 @@ noise = tree.nodes.new("ShaderNodeTexNoise")
 tree.links.new(noise.outputs["Color"], matt.inputs["Color"])
 render()
 check("what is not exported is listed", any("material floor" in line and "Noise" in line for line in engine.last["lost"]), engine.last["lost"])
+before = picture()
+bpy.ops.latent.bake()
+render()
+check("and can be baked", engine.last["lost"] == [] and np.ptp(picture()) > 2 * np.ptp(before), engine.last["lost"], np.ptp(before), np.ptp(picture()))
 tree.nodes.remove(noise)
+
+# The darkroom: without the sun, only the sky is left; twice the sky is twice as bright.
+render()
+bpy.ops.latent.light_mix()
+mix = settings.darkroom.mix
+check("the darkroom lists the lights", {"Sun", "World"} <= {light.name for light in mix}, [light.name for light in mix])
+mix["Sun"].factor, mix["World"].factor, settings.darkroom.stops = 0, 2, 1
+bpy.ops.latent.develop()
+shown = bpy.data.images["Latent Darkroom"]
+values = np.empty(len(shown.pixels), np.float32)
+shown.pixels.foreach_get(values)
+values = values.reshape(30, 40, 4)[..., :3].mean((0, 1))
+check("and mixes them without a render", np.allclose(values, 2 * 2 * 0.5 * np.array([0.1, 0.2, 0.3]), rtol=5e-3), values)
+settings.darkroom.film = "portra-400"
+bpy.ops.latent.develop()
+check("and prints on film", tuple(bpy.data.images["Latent Darkroom"].size) == (40, 30))
+
+# A plan for a farm, of two frames.
+settings.farm_folder, scene.frame_end = str(folder / "farm"), 2
+bpy.ops.latent.farm(animation=True)
+check("a farm is planned", (folder / "farm").is_dir() and (folder / "job/frame-0002.pbrt").exists(), list(folder.iterdir()))
 
 # A tool that is missing is one line, and no picture.
 find, engine.tools.find = engine.tools.find, lambda name, folder="": (_ for _ in ()).throw(engine.tools.Failure(f"{name} is not on the PATH"))

@@ -13,9 +13,9 @@ bl_info = {
 def register():
     import bpy
 
-    from . import engine, panels, properties
+    from . import darkroom, engine, panels, properties
 
-    for made in (*properties.CLASSES, *panels.CLASSES, engine.LatentEngine):
+    for made in (*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine):
         bpy.utils.register_class(made)
     for owner, settings in properties.OWNERS:
         owner.latent = bpy.props.PointerProperty(type=settings)
@@ -26,11 +26,11 @@ def register():
 def unregister():
     import bpy
 
-    from . import engine, panels, properties
+    from . import darkroom, engine, panels, properties
 
     for panel in panels.shared_panels():
         panel.COMPAT_ENGINES.discard("LATENT")
     for owner, _ in properties.OWNERS:
         del owner.latent
-    for made in reversed((*properties.CLASSES, *panels.CLASSES, engine.LatentEngine)):
+    for made in reversed((*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine)):
         bpy.utils.unregister_class(made)

@@ -39,23 +39,46 @@ def fingerprint(tree, seen=()):
     return "\n".join(lines)
 
 
+def run(folder, name, blocks, **job):
+    """Gives data blocks to bake.py in a file: whether it succeeded."""
+    library, path = os.path.join(folder, f"{name}.blend"), os.path.join(folder, f"{name}.json")
+    os.makedirs(folder, exist_ok=True)
+    bpy.data.libraries.write(library, set(blocks), fake_user=True)
+    with open(path, "w") as file:
+        json.dump({"library": library, **job}, file)
+    done = subprocess.run(command(path), stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    for made in (library, path):
+        os.remove(made)
+    if done.returncode:
+        print(done.stdout[-2000:], done.stderr[-2000:])
+    return done.returncode == 0
+
+
 def world(of, folder, width=1024, samples=16):
     """The path of a picture of a world, or None if it could not be made. It is made once for the same nodes."""
-    of = of.original
+    of, folder = of.original, os.path.join(folder, "pictures")
     name = hashlib.blake2b(f"{width} {samples} {fingerprint(of.node_tree)}".encode(), digest_size=12).hexdigest()
-    folder = os.path.join(folder, "pictures")
     path = os.path.join(folder, f"world-{name}.exr")
-    if os.path.exists(path):
-        return path
-    os.makedirs(folder, exist_ok=True)
-    library, job = os.path.join(folder, "world.blend"), os.path.join(folder, "world.json")
-    bpy.data.libraries.write(library, {of}, fake_user=True)
-    with open(job, "w") as file:
-        json.dump({"library": library, "world": of.name, "output": path, "width": width, "samples": samples}, file)
-    done = subprocess.run(command(job), stdin=subprocess.DEVNULL, capture_output=True, text=True)
-    for made in (library, job):
-        os.remove(made)
-    if done.returncode or not os.path.exists(path):
-        print(done.stdout[-2000:], done.stderr[-2000:])
-        return None
-    return path
+    if not os.path.exists(path):
+        run(folder, "world", [of], world=of.name, output=path, width=width, samples=samples)
+    return path if os.path.exists(path) else None
+
+
+def path_of(folder, material, node, output):
+    """Where the picture of a node's output is, once it is baked. Another one belongs to other nodes."""
+    name = hashlib.blake2b(f"{material.name} {node} {output} {fingerprint(material.node_tree)}".encode(), digest_size=12).hexdigest()
+    return os.path.join(folder, f"baked-{name}.pfm")
+
+
+def nodes(scene, wanted, folder, side=512):
+    """Bakes (material, node, output), each on the first mesh with a UV map that has the material: how many, and names of those that failed."""
+    folder, failed, made = os.path.join(folder, "pictures"), [], 0
+    for name in sorted({material for material, _, _ in wanted}):
+        material = bpy.data.materials.get(name)
+        owner = next((o for o in scene.objects if o.type == "MESH" and o.data.uv_layers and material in [slot.material for slot in o.material_slots]), None)
+        tasks = [(node, output, path_of(folder, material, node, output)) for of, node, output in wanted if of == name]
+        if owner is None or not run(folder, "nodes", [owner], object=owner.name, material=name, tasks=tasks, side=side):
+            failed.append(name)
+        else:
+            made += len(tasks)
+    return made, failed

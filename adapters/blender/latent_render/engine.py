@@ -9,7 +9,8 @@ from . import baking, develop, job, tools
 from .export import camera
 from .export.scene import Exporter
 
-last = {"word": "", "lost": [], "samples": "", "picture": "", "aperture": None, "seconds": {}}  # of the last render, for the panels
+last = {"word": "", "lost": [], "samples": "", "picture": "", "aperture": None, "wanted": [], "seconds": {}}  # of the last render, for the panels
+planned = None  # a list while a farm is planned: the scene of each frame, and its options
 
 
 def preference(context=None):
@@ -59,12 +60,16 @@ class LatentEngine(bpy.types.RenderEngine):
         render = program("latent-render")
         begin = time.monotonic()
         self.say("exporting")
-        exported = Exporter(depsgraph, folder, settings, lambda world: baking.world(world, folder)).export(self.frame_set)
+        name = "scene" if planned is None else f"frame-{scene.frame_current:04d}"
+        exported = Exporter(depsgraph, folder, settings, lambda world: baking.world(world, folder)).export(name, self.frame_set)
         words = job.options(settings, exported.aperture, exported.moves)
+        if planned is not None:
+            planned.append((exported.path, words))
+            return self.fill(scene, layer, {})
         mine = job.Job(folder, name_of(scene, layer), exported.digest, words, exported.parts)
         word = mine.word()
         mine.remember()
-        last.update(word=word, lost=exported.lost, samples=mine.samples, picture=mine.picture, aperture=exported.aperture,
+        last.update(word=word, lost=exported.lost, samples=mine.samples, picture=mine.picture, aperture=exported.aperture, wanted=exported.wanted,
                     seconds={"export": time.monotonic() - begin})
         print(f"Latent: {word}")
         for line in exported.lost:

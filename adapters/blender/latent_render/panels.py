@@ -57,6 +57,36 @@ class LATENT_PT_lost(LatentPanel, bpy.types.Panel):
     def draw(self, _):
         for line in engine.last["lost"]:
             self.layout.label(text=line, icon="ERROR")
+        if engine.last["wanted"]:
+            self.layout.operator("latent.bake")
+
+
+class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Darkroom", "render"
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.latent.darkroom
+        layout.use_property_split = True
+        for name in ("observer", "film", "paper", "stops", "noise", "aperture", "shutter"):
+            layout.prop(settings, name)
+        for light in settings.mix:
+            row = layout.row(align=True)
+            row.prop(light, "factor", text=light.name)
+            row.prop(light, "change", text="")
+        row = layout.row()
+        row.operator("latent.light_mix")
+        row.operator("latent.develop")
+        layout.operator("latent.darkroom")
+
+
+class LATENT_PT_farm(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context, bl_options = "Farm", "render", {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.prop(context.scene.latent, "farm_folder")
+        row = self.layout.row()
+        row.operator("latent.farm", text="Plan this frame").animation = False
+        row.operator("latent.farm", text="Plan all frames").animation = True
 
 
 class LATENT_PT_passes(LatentPanel, bpy.types.Panel):
@@ -95,4 +125,4 @@ class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
         self.layout.prop(settings, "visible")
 
 
-CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_job, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)
+CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)

@@ -2,6 +2,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from .darkroom import DarkroomSettings
 from .export import spectra
 
 
@@ -23,6 +24,7 @@ class SceneSettings(bpy.types.PropertyGroup):
     seed: IntProperty(name="Seed", default=0, min=0)
     folder: StringProperty(name="Folder", description="Scenes, samples and pictures", subtype="DIR_PATH", default="//latent")
     farm_folder: StringProperty(name="Plan", description="Where latent-farm writes its plan", subtype="DIR_PATH", default="//latent/farm")
+    darkroom: bpy.props.PointerProperty(type=DarkroomSettings)
     render_options: StringProperty(name="Render", description="Further options of latent-render")
     develop_options: StringProperty(name="Develop", description="Further options of latent-develop, such as --dim-fireflies")
 

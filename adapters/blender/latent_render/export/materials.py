@@ -392,7 +392,7 @@ def export(document, material, report, files, light_name):
         name = document.material("diffuse", {"rgb reflectance": color})
         return Exported([f'NamedMaterial "{name}"'], False, {}, Places(Unknown), name)
     places = Places(Unknown)
-    graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files)
+    graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files, material)
     reader = Reader(document, graph, material.latent)
     output = active_output(material.node_tree)
     surface = reader.shader(output.inputs["Surface"]) if output else Surface(DEFAULT)

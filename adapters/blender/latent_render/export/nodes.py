@@ -87,8 +87,8 @@ class Unknown(Exception):
 class Graph:
     """The nodes of one material, world or lamp. `places` says where pictures lie on the surface; `lost(what)` takes what is left out."""
 
-    def __init__(self, tree, lost, places=None, files=None):
-        self.tree, self.lost, self.places, self.files = tree, lost, places, files
+    def __init__(self, tree, lost, places=None, files=None, material=None):
+        self.tree, self.lost, self.places, self.files, self.material = tree, lost, places, files, material
         self.groups = []  # around the node that is being read
 
     # ----- links
@@ -150,7 +150,7 @@ class Graph:
                 raise Unknown(f"node {node.bl_label}")
             return read(self, node, output)
         except Unknown as unknown:
-            baked = self.files.baked(node, output) if self.files else None
+            baked = self.files and self.files.baked(self, node, output, Picture)
             if baked:
                 return baked
             self.lost(f"{unknown} is replaced by a constant")

@@ -13,11 +13,21 @@ EXTENSIONS = {"PNG": ".png", "JPEG": ".jpg", "OPEN_EXR": ".exr", "OPEN_EXR_MULTI
 class Files:
     """The pictures of a job. Those that lie on the disk stay there; packed and generated ones become files in `folder`."""
 
-    def __init__(self, folder, bakes=None):
-        self.folder, self.bakes, self.known = folder, bakes or {}, {}
+    def __init__(self, folder):
+        self.folder, self.known, self.wanted = folder, {}, []
 
-    def baked(self, node, output):
-        return self.bakes.get((node.id_data.name, node.name, output.name))
+    def baked(self, graph, node, output, make):
+        """What Cycles has baked of a node, if it has; otherwise, it may be wanted."""
+        from .. import baking
+
+        if graph.groups or graph.material is None:
+            return None
+        path = baking.path_of(self.folder, graph.material, node.name, output.identifier)
+        if not os.path.exists(path):
+            self.wanted.append((graph.material.name, node.name, output.identifier))
+            return None
+        place = graph.places.moved(("uv", ""), np.eye(4))
+        return make({"string filename": path, **place})
 
     def path(self, image, unknown):
         import bpy
@@ -51,10 +61,7 @@ class Files:
         digest = hashlib.blake2b(pixels.data, digest_size=12).hexdigest()
         if image.is_float:  # what Blender saves as EXR depends on colour spaces; these are the values themselves
             path = os.path.join(self.folder, digest + ".pfm")
-            width, height = image.size
-            rgb = np.repeat(pixels.reshape(-1, 1), 3, 1) if image.channels == 1 else pixels.reshape(-1, image.channels)[:, :3]
-            with open(path, "wb") as file:
-                file.write(b"PF\n%d %d\n-1.0\n" % (width, height) + np.ascontiguousarray(rgb, "<f4").tobytes())
+            write_pfm(path, image, pixels)
             return path
         path = os.path.join(self.folder, digest + ".png")
         copy = image.copy()
@@ -63,6 +70,13 @@ class Files:
         copy.save()
         bpy.data.images.remove(copy)
         return path
+
+
+def write_pfm(path, image, pixels):
+    width, height = image.size
+    rgb = np.repeat(pixels.reshape(-1, 1), 3, 1) if image.channels == 1 else pixels.reshape(-1, image.channels)[:, :3]
+    with open(path, "wb") as file:
+        file.write(b"PF\n%d %d\n-1.0\n" % (width, height) + np.ascontiguousarray(rgb, "<f4").tobytes())
 
 
 def picture(graph, node, output, make, unknown):
@@ -101,7 +115,9 @@ class Places:
     def relative(self, graph, socket, scale):
         """Parameters of a mapping: those of coordinates times `scale`."""
         source, matrix = self.coordinates(graph, socket)
-        matrix = np.diag([scale, scale, scale, 1.0]) @ matrix
+        return self.moved(source, np.diag([scale, scale, scale, 1.0]) @ matrix)
+
+    def moved(self, source, matrix):
         if self.source is None:
             self.source, self.matrix = source, matrix
         if source != self.source:

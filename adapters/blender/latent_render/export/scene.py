@@ -36,6 +36,7 @@ class Exported:
     digest: object
     parts: dict  # what there is, to a digest of it: which of them made another job?
     lost: list
+    wanted: list  # (material, node, output) that may be baked
     aperture: str = None  # an argument of latent-develop --aperture
     moves: bool = False
 
@@ -55,8 +56,8 @@ class Exporter:
         self.models, self.lamps, self.portals, self.parts = {}, [], [], {}
         self.known_materials, self.emitting = {}, {}
 
-    def export(self, frame_set=None):
-        """`frame_set(frame, subframe)` moves the scene for motion blur."""
+    def export(self, stem="scene", frame_set=None):
+        """Writes STEM.pbrt. `frame_set(frame, subframe)` moves the scene for motion blur."""
         os.makedirs(self.folder, exist_ok=True)
         shutter = camera.shutter_times(self.scene)
         opened, closed = self.poses_at(shutter, frame_set) if shutter and frame_set else ({}, {})
@@ -84,9 +85,9 @@ class Exporter:
             self.write_model(model, f"object {number + 1}")
         if self.scene.render.film_transparent:
             self.report.lost("film", "a transparent background is opaque")
-        path = os.path.join(self.folder, "scene.pbrt")
+        path = os.path.join(self.folder, f"{stem}.pbrt")
         digest = self.document.write(path)
-        return Exported(path, digest, self.parts, self.report.text(), camera.blades(view.data), bool(closed))
+        return Exported(path, digest, self.parts, self.report.text(), self.files.wanted, camera.blades(view.data), bool(closed))
 
     def part(self, name, lines):
         self.parts[name] = hashlib.blake2b("\n".join(lines).encode(), digest_size=8).hexdigest()
