@@ -207,7 +207,7 @@ class Exporter:
                 continue
             slots = self.slots(owner) or [None]
             made = self.lookup(slots[min(len(slots), max(1, settings.material)) - 1], owner)
-            root, tip = settings.root_radius * settings.radius_scale, (0.0 if settings.use_close_tip else settings.tip_radius) * settings.radius_scale
+            root, tip = settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
             strands = [curves.shape(points, root, tip, made.alpha) for points in curves.particle_strands(owner, modifier, self.depsgraph.mode)]
             if strands:
                 self.part(f"hair {modifier.particle_system.name}", strands)
