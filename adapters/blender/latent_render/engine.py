@@ -136,8 +136,8 @@ class LatentEngine(bpy.types.RenderEngine):
                 shown = np.ascontiguousarray(values[::-1][low:high, left:right], np.float32)
                 try:
                     target.rect.foreach_set(shown.ravel())
-                except TypeError:  # Blender 3.4 wants a sequence of pixels
-                    target.rect = shown.reshape(-1, shown.shape[2]).tolist()
+                except TypeError:  # Blender 3.4 counts pixels
+                    target.rect.foreach_set(shown.reshape(-1, shown.shape[2]))
         self.end_result(result)
 
 
