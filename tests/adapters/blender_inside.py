@@ -148,6 +148,44 @@ except RuntimeError as failure:
 engine.tools.find = find
 check("a missing program is an error", "latent-render is not on the PATH" in said, said)
 
+
+
+class Layout:
+    """Takes what a panel draws, and looks whether its properties and operators are there."""
+
+    def __init__(self):
+        self.count = 0
+
+    def prop(self, data, name, **_):
+        assert name in data.bl_rna.properties, name
+        self.count += 1
+
+    def operator(self, name, **_):
+        room, word = name.split(".")
+        assert hasattr(getattr(bpy.ops, room), word) and hasattr(bpy.types, f"{room.upper()}_OT_{word}"), name
+        self.count += 1
+        return self
+
+    def label(self, **_):
+        self.count += 1
+
+    def row(self, **_):
+        return self
+
+    column = row
+
+
+class Context:
+    scene, engine, material, light = scene, "LATENT", floor, sun.data
+
+
+engine.last.update(lost=["material floor: something"], wanted=[("floor", "node", "Color")])
+for panel in panels.CLASSES:
+    layout = Layout()
+    holder = type("Holder", (), {"layout": layout})()
+    panel.draw(holder, Context)
+    check(f"panel {panel.bl_label} shows what there is", panel.poll(Context) and layout.count > 0, layout.count)
+
 check("panels of Blender apply", any("LATENT" in getattr(panel, "COMPAT_ENGINES", ()) for panel in panels.shared_panels()))
 scene.render.engine = "CYCLES"
 bpy.ops.preferences.addon_disable(module="latent_render")

@@ -104,6 +104,27 @@ class Pictures(unittest.TestCase):
         np.testing.assert_allclose(develop.rgb(white), 1, atol=1e-4)
 
 
+    def test_drawn_pictures_are_read_as_they_were(self):
+        """PNG and PFM, by the eyes of the renderer: a floor that glows as its picture."""
+        pictures = part("export.pictures")
+        values = np.float32([[[0.2, 0.4, 0.6], [1, 0, 0]], [[0, 1, 0], [0.8, 0.8, 0.2]]])
+        for encode, suffix in ((pictures.png, "png"), (pictures.pfm, "pfm")):
+            with tempfile.TemporaryDirectory() as folder:
+                pathlib.Path(f"{folder}/a.{suffix}").write_bytes(encode(values))
+                document = pbrt.Document()
+                document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 2, "integer yresolution": 2}), "Scale 1 1 -1",
+                                 pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-1.0, 1.0, -1.0, 1.0]})]
+                color = document.texture("spectrum", "imagemap", {"string filename": f"a.{suffix}", "string filter": "point",
+                                                                  **({"string encoding": "linear"} if suffix == "png" else {})})
+                made = document.material("diffuse", {"texture reflectance": color})
+                document.body = [pbrt.directive("LightSource", "infinite", **{"rgb L": [1.0, 1.0, 1.0]}), "Translate 0 0 -1", f'NamedMaterial "{made}"',
+                                 'Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]']
+                document.write(f"{folder}/scene.pbrt")
+                tools.run([TOOLS / "latent-render", f"{folder}/scene.pbrt", "-o", f"{folder}/a.latent", "--spp", "1024", "--json", "--record", "xyz"])
+                shown = develop.rgb(develop.develop(TOOLS / "latent-develop", f"{folder}/a.latent", f"{folder}/a.exr", ["--filter", "box"]))
+            np.testing.assert_allclose(shown[::-1], np.round(255 * values) / 255, atol=0.01, err_msg=suffix)
+
+
 class Programs(unittest.TestCase):
     def test_only_progress_is_read_as_progress(self):
         self.assertEqual(tools.share_done("2026-01-01 12:00:00 committed 40 of 160 samples (25.0 %), 1 K samples/s"), 0.25)

@@ -41,7 +41,8 @@ class LampSettings(bpy.types.PropertyGroup):
     spectrum: EnumProperty(name="Spectrum", items=[("COLOR", "Colour", "A smooth spectrum of the lamp's colour"), ("DAYLIGHT", "Daylight", ""), ("BLACKBODY", "Blackbody", ""),
                                                    ("SODIUM", "Sodium", ""), *((key, label, "") for key, label in spectra.LAMPS)])
     kelvin: FloatProperty(name="Temperature", description="Kelvin", default=5000, min=1000, max=25000)
-    visible: BoolProperty(name="Visible", description="Whether the camera and mirrors see it. Cycles shows it to mirrors alone", default=True)
+    visible: EnumProperty(name="Visible", items=[("AUTO", "Outside of the picture", "To mirrors, unless the camera may see it, too; Cycles shows lamps to mirrors alone"),
+                                                 ("ALWAYS", "Always", "To the camera and to mirrors"), ("NEVER", "Never", "It only shines")])
 
 
 class Preferences(bpy.types.AddonPreferences):

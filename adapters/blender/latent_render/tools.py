@@ -36,6 +36,10 @@ def last_words(text):
     return "\n".join(lines[-12:]) or "it gave no reason"
 
 
+def version(path):
+    return subprocess.run([path, "--version"], capture_output=True, text=True, stdin=subprocess.DEVNULL).stdout.strip()
+
+
 def run(command, progress=lambda share: None, stop=lambda: False):
     """Runs a program with --json: its report and its warnings (lines of standard error). None instead of the report if `stop` ended it.
     `stop` is asked five times a second."""

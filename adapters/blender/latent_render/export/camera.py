@@ -55,6 +55,18 @@ def export(scene, owner, poses, shutter, report):
     return [*lines, directive("Camera", kind, **parameters)]
 
 
+def sees(scene, owner, center, radius):
+    """Whether a ball may be in the picture; what hides it does not count."""
+    data, place = owner.data, owner.matrix_world.normalized().inverted() @ center
+    frame, depth = data.view_frame(scene=scene), -place.z
+    if data.type == "PANO":
+        return True
+    if depth + radius <= 0:
+        return False
+    scale = 1.0 if data.type == "ORTHO" else max(depth, 1e-6) / -frame[0].z
+    return all(min(c[i] for c in frame) * scale - radius <= place[i] <= max(c[i] for c in frame) * scale + radius for i in (0, 1))
+
+
 def mirrored(inverse):
     return [list(inverse[0]), list(inverse[1]), [-c for c in inverse[2]], list(inverse[3])]
 

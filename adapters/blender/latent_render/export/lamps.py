@@ -39,8 +39,8 @@ def strength(lamp, report):
     return [c * n * values[1].number() for c, n in zip(color, values[0].rgb)]
 
 
-def export(owner, pose, name, report, radius_of_scene, center):
-    """Directives of a lamp at `pose`."""
+def export(owner, pose, name, report, radius_of_scene, center, sees):
+    """Directives of a lamp at `pose`. `sees(center, radius)`: whether a ball may be in the picture."""
     lamp = owner.data
     settings = lamp.latent
     color = strength(lamp, report)
@@ -52,22 +52,23 @@ def export(owner, pose, name, report, radius_of_scene, center):
     lost = lambda what: report.lost(f"lamp {owner.name}", what)  # noqa: E731
     if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
         lost("it casts shadows")
-    lines = MAKERS[lamp.type](Lamp(lamp, settings, color, name, lost, radius_of_scene, center), pose)
+    lines = MAKERS[lamp.type](Lamp(lamp, settings, color, name, lost, radius_of_scene, center, sees), pose)
     return ["AttributeBegin", *lines, "AttributeEnd"]
 
 
 class Lamp:
-    def __init__(self, lamp, settings, color, name, lost, radius_of_scene, center):
+    def __init__(self, lamp, settings, color, name, lost, radius_of_scene, center, sees):
         self.lamp, self.settings, self.color, self.name, self.lost = lamp, settings, color, name, lost
-        self.radius_of_scene, self.center = radius_of_scene, center
+        self.radius_of_scene, self.center, self.sees = radius_of_scene, center, sees
 
     def source(self, kind, key, scale, word="LightSource", **more):
         spectrum, factor = spectra.lamp(self.settings, key, self.color)
         return directive(word, kind, **{**spectrum, "float scale": float(scale * factor), "string name": self.name, **more})
 
-    def surface(self, shape, radiance, **more):
-        """A shape that emits. An unseen one shines all the same: only rays do not meet it."""
-        hidden = {} if self.settings.visible else {"float alpha": 0.0}
+    def surface(self, shape, center, radius, radiance, **more):
+        """A shape that emits, within a ball. An unseen one shines all the same: only rays do not meet it."""
+        visible = self.settings.visible == "ALWAYS" or (self.settings.visible == "AUTO" and not self.sees(center, radius))
+        hidden = {} if visible else {"float alpha": 0.0}
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more), shape(hidden)]
 
 
@@ -83,7 +84,7 @@ def point(lamp, pose):
     if radius < 1e-6:
         return [matrix(at(pose)), lamp.source("point", "I", watts / (4 * math.pi))]
     sphere = lambda hidden: directive("Shape", "sphere", **{"float radius": radius, **hidden})  # noqa: E731
-    return [matrix(at(pose)), *lamp.surface(sphere, watts / (4 * math.pi**2 * radius**2))]
+    return [matrix(at(pose)), *lamp.surface(sphere, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
 
 
 def spot(lamp, pose):
@@ -110,7 +111,7 @@ def sun(lamp, pose):
     # The disk faces along its +z, and shines along -z.
     disk = lambda hidden: directive("Shape", "disk", **{"float radius": distance * math.tan(half), **hidden})  # noqa: E731
     radiance = lamp.lamp.energy / (math.pi * math.sin(half) ** 2)
-    return [matrix(turned), "ReverseOrientation", *lamp.surface(disk, radiance)]
+    return [matrix(turned), "ReverseOrientation", *lamp.surface(disk, turned.translation, distance * math.tan(half), radiance)]
 
 
 # Watts of an area lamp for each unit of radiance and area: Blender 3's counted pi / 4 of the power.
@@ -135,11 +136,11 @@ def area(lamp, pose):
     if data.shape in ("DISK", "ELLIPSE"):
         scaled = matrix([[wide / 2, 0, 0, 0], [0, high / 2, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "ConcatTransform")
         shape = lambda hidden: directive("Shape", "disk", **{"float radius": 1.0, **hidden})  # noqa: E731
-        return [matrix(at(pose)), scaled, "ReverseOrientation", *lamp.surface(shape, radiance, **more)]
+        return [matrix(at(pose)), scaled, "ReverseOrientation", *lamp.surface(shape, pose.translation, math.hypot(wide, high) / 2, radiance, **more)]
     x, y = wide / 2, high / 2
     corners = [-x, -y, 0.0, -x, y, 0.0, x, -y, 0.0, x, y, 0.0]  # facing -z
     shape = lambda hidden: directive("Shape", "bilinearmesh", **{"point3 P": corners, "integer indices": [0, 1, 2, 3], **hidden})  # noqa: E731
-    return [matrix(at(pose)), *lamp.surface(shape, radiance, **more)]
+    return [matrix(at(pose)), *lamp.surface(shape, pose.translation, math.hypot(wide, high) / 2, radiance, **more)]
 
 
 def spread_of(spread, radiance):

@@ -352,7 +352,7 @@ def vertex_color(graph, node, output):
 
 
 def attribute(graph, node, output):
-    if node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac"):
+    if node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor"):
         raise Unknown(f"Attribute {node.attribute_name}")
     return vertex_color(graph, node, output)
 

@@ -1,6 +1,8 @@
 """Image textures: their files, and where they lie on a surface."""
 import hashlib
 import os
+import struct
+import zlib
 
 import numpy as np
 
@@ -15,6 +17,7 @@ class Files:
 
     def __init__(self, folder):
         self.folder, self.known, self.wanted = folder, {}, []
+        self.contents = {}  # of files of others, which may change under their names
 
     def baked(self, graph, node, output, make):
         """What Cycles has baked of a node, if it has; otherwise, it may be wanted."""
@@ -38,7 +41,11 @@ class Files:
         if image.source == "FILE" and not image.packed_file and not image.is_dirty:
             if not os.path.isfile(disk):
                 raise unknown(f"image {image.name}, whose file is missing")
-            return os.path.realpath(disk)
+            disk = os.path.realpath(disk)
+            if disk not in self.contents:
+                with open(disk, "rb") as file:
+                    self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
+            return disk
         if image.name_full not in self.known:
             os.makedirs(self.folder, exist_ok=True)
             self.known[image.name_full] = self.packed(image) if image.packed_file and not image.is_dirty else self.drawn(image, unknown)
@@ -52,31 +59,41 @@ class Files:
         return path
 
     def drawn(self, image, unknown):
-        import bpy
-
         if not image.has_data and not image.pixels:
             raise unknown(f"image {image.name}, which is empty")
         pixels = np.empty(len(image.pixels), np.float32)
         image.pixels.foreach_get(pixels)
         digest = hashlib.blake2b(pixels.data, digest_size=12).hexdigest()
-        if image.is_float:  # what Blender saves as EXR depends on colour spaces; these are the values themselves
-            path = os.path.join(self.folder, digest + ".pfm")
-            write_pfm(path, image, pixels)
-            return path
-        path = os.path.join(self.folder, digest + ".png")
-        copy = image.copy()
-        copy.pixels.foreach_set(pixels)
-        copy.filepath_raw, copy.file_format = path, "PNG"
-        copy.save()
-        bpy.data.images.remove(copy)
+        path = os.path.join(self.folder, digest + (".pfm" if image.is_float else ".png"))
+        rows = pixels.reshape(image.size[1], image.size[0], -1)
+        with open(path, "wb") as file:
+            file.write(pfm(rows) if image.is_float else png(rows))
         return path
 
 
-def write_pfm(path, image, pixels):
-    width, height = image.size
-    rgb = np.repeat(pixels.reshape(-1, 1), 3, 1) if image.channels == 1 else pixels.reshape(-1, image.channels)[:, :3]
-    with open(path, "wb") as file:
-        file.write(b"PF\n%d %d\n-1.0\n" % (width, height) + np.ascontiguousarray(rgb, "<f4").tobytes())
+# Blender's own writers encode colours, and change its data while it renders.
+
+
+def pfm(rows):
+    """Values as they are. Rows run upwards, as Blender's."""
+    rgb = np.repeat(rows, 3, 2) if rows.shape[2] == 1 else rows[..., :3]
+    return b"PF\n%d %d\n-1.0\n" % (rows.shape[1], rows.shape[0]) + np.ascontiguousarray(rgb, "<f4").tobytes()
+
+
+def png(rows):
+    """Values from 0 to 1 as bytes, with alpha if there is any."""
+    height, width, channels = rows.shape
+    kinds = {1: 0, 3: 2, 4: 6}
+    if channels == 4 and rows[..., 3].min() == 1:
+        rows, channels = rows[..., :3], 3
+    lines = np.zeros((height, 1 + width * channels), np.uint8)
+    lines[:, 1:] = np.round(255 * np.clip(rows[::-1], 0, 1)).astype(np.uint8).reshape(height, -1)
+
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, kinds[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b"")
 
 
 def picture(graph, node, output, make, unknown):

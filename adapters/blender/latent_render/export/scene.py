@@ -75,7 +75,7 @@ class Exporter:
         integrator = directive("Integrator", "bdpt" if self.settings.integrator == "BDPT" else "volpath", **{"integer maxdepth": depth})
         self.document.head += [camera.film(self.scene), *lines, integrator]
         for owner, pose, name in self.lamps:
-            from_lamp = lamps.export(owner, pose, name, self.report, radius, center)
+            from_lamp = lamps.export(owner, pose, name, self.report, radius, center, lambda *ball: camera.sees(self.scene, view, *ball))
             self.part(f"lamp {owner.name}", from_lamp)
             self.document.body += from_lamp
         lines = world.export(self.scene.world, self.files, self.portals, self.report, self.bake)
@@ -87,6 +87,9 @@ class Exporter:
             self.report.lost("film", "a transparent background is opaque")
         path = os.path.join(self.folder, f"{stem}.pbrt")
         digest = self.document.write(path)
+        for picture, content in sorted(self.files.contents.items()):
+            self.part(f"picture {os.path.basename(picture)}", [content])
+            digest.update(content.encode())
         return Exported(path, digest, self.parts, self.report.text(), self.files.wanted, camera.blades(view.data), bool(closed))
 
     def part(self, name, lines):

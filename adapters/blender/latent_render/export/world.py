@@ -31,6 +31,8 @@ def export(world, files, portals, report, bake):
     try:
         return simple(found[0], graph, files, portals, common)
     except Unknown:
+        if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in world.node_tree.nodes):
+            lost("the sun of its Sky Texture is as coarse as the baked picture; a Sun lamp is exact")
         path = bake(world)
         if path is None:
             lost("is black, for its nodes could not be baked")
