@@ -1,0 +1,36 @@
+"""Latent as a render engine of Blender (docs/blender.md)."""
+bl_info = {
+    "name": "Latent",
+    "description": "Render raw spectral samples, and develop them into pictures",
+    "author": "The Latent project",
+    "version": (0, 2, 0),
+    "blender": (3, 4, 0),
+    "location": "Render properties, Render Engine",
+    "category": "Render",
+}
+
+
+def register():
+    import bpy
+
+    from . import darkroom, engine, panels, properties
+
+    for made in (*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine):
+        bpy.utils.register_class(made)
+    for owner, settings in properties.OWNERS:
+        owner.latent = bpy.props.PointerProperty(type=settings)
+    for panel in panels.shared_panels():
+        panel.COMPAT_ENGINES.add("LATENT")
+
+
+def unregister():
+    import bpy
+
+    from . import darkroom, engine, panels, properties
+
+    for panel in panels.shared_panels():
+        panel.COMPAT_ENGINES.discard("LATENT")
+    for owner, _ in properties.OWNERS:
+        del owner.latent
+    for made in reversed((*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine)):
+        bpy.utils.unregister_class(made)

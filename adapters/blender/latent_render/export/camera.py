@@ -1,0 +1,107 @@
+"""The camera and the film. Blender's camera looks along -z, pbrt's along +z with x to the right: one axis is mirrored."""
+import math
+
+from .pbrt import directive, matrix
+
+
+def size(scene):
+    render = scene.render
+    share = render.resolution_percentage / 100
+    return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
+
+
+def film(scene):
+    width, height = size(scene)
+    return directive("Film", "rgb", **{"integer xresolution": width, "integer yresolution": height})
+
+
+def export(scene, owner, poses, shutter, report):
+    """Directives. `owner`: the evaluated object; `poses`: its matrices when the shutter opens and closes."""
+    data = owner.data
+    lines = []
+    turn = panoramic if data.type == "PANO" else mirrored
+    world_to_camera = [turn(pose.normalized().inverted()) for pose in poses]
+    if len(poses) > 1 and poses[0] != poses[1]:
+        for word, rows in zip(("StartTime", "EndTime"), world_to_camera):
+            lines += [f"ActiveTransform {word}", matrix(rows)]
+        lines.append("ActiveTransform All")
+    else:
+        lines.append(matrix(world_to_camera[0]))
+    parameters = {"float shutteropen": shutter[0], "float shutterclose": shutter[1]} if len(poses) > 1 else {}
+    # The corners of the picture, at the distance of the frame: shift, sensor and aspect are in them.
+    frame = data.view_frame(scene=scene)
+    left, right = min(c.x for c in frame), max(c.x for c in frame)
+    low, high = min(c.y for c in frame), max(c.y for c in frame)
+    if data.type == "PANO":
+        kind = getattr(data, "panorama_type", None) or data.cycles.panorama_type
+        if kind != "EQUIRECTANGULAR":
+            report.lost(f"camera {owner.name}", f"panorama {kind.lower()} is equirectangular")
+        return [*lines, directive("Camera", "spherical", **{"string mapping": "equirectangular", **parameters})]
+    if data.type == "ORTHO":
+        scale = 1.0
+        kind = "orthographic"
+    else:
+        scale, kind = 1 / -frame[0].z, "perspective"
+        parameters["float fov"] = 90.0
+    parameters["float screenwindow"] = [left * scale, right * scale, low * scale, high * scale]
+    if data.dof.use_dof:
+        radius = lens_radius(data)
+        if radius > 0:
+            parameters |= {"float lensradius": radius, "float focaldistance": max(1e-4, focus(owner, poses[0]))}
+        if abs(data.dof.aperture_ratio - 1) > 1e-3:
+            report.lost(f"camera {owner.name}", "anamorphic bokeh is left out here (Darkroom has it)")
+    if data.clip_start > 0.5 * max(data.dof.focus_distance, 0.2) and data.type != "ORTHO":
+        report.lost(f"camera {owner.name}", "clipping is ignored")
+    return [*lines, directive("Camera", kind, **parameters)]
+
+
+def sees(scene, owner, center, radius):
+    """Whether a ball may be in the picture; what hides it does not count."""
+    data, place = owner.data, owner.matrix_world.normalized().inverted() @ center
+    frame, depth = data.view_frame(scene=scene), -place.z
+    if data.type == "PANO":
+        return True
+    if depth + radius <= 0:
+        return False
+    scale = 1.0 if data.type == "ORTHO" else max(depth, 1e-6) / -frame[0].z
+    return all(min(c[i] for c in frame) * scale - radius <= place[i] <= max(c[i] for c in frame) * scale + radius for i in (0, 1))
+
+
+def mirrored(inverse):
+    return [list(inverse[0]), list(inverse[1]), [-c for c in inverse[2]], list(inverse[3])]
+
+
+def panoramic(inverse):
+    """pbrt's panorama begins at +x and goes by +z, and its pole is +y; the middle of Blender's lies in front."""
+    return [list(inverse[2]), list(inverse[1]), [-c for c in inverse[0]], list(inverse[3])]
+
+
+def lens_radius(data):
+    if data.type == "ORTHO":
+        return 1 / (2 * max(1e-6, data.dof.aperture_fstop))
+    return data.lens * 1e-3 / (2 * max(1e-6, data.dof.aperture_fstop))
+
+
+def focus(owner, pose):
+    """The distance along the axis."""
+    target = owner.data.dof.focus_object
+    if target is None:
+        return owner.data.dof.focus_distance
+    return abs((target.matrix_world.translation - pose.translation).dot(pose.col[2].xyz.normalized()))
+
+
+def blades(data):
+    """An argument of latent-develop --aperture, if the lens has blades."""
+    if not (data.type == "PERSP" and data.dof.use_dof and data.dof.aperture_blades >= 3 and lens_radius(data) > 0):
+        return None
+    return f"blades:{data.dof.aperture_blades}:{math.degrees(data.dof.aperture_rotation):.6g}"
+
+
+def shutter_times(scene):
+    """When the shutter opens and closes, in frames from the current one; None without motion blur."""
+    render = scene.render
+    if not render.use_motion_blur:
+        return None
+    position = getattr(render, "motion_blur_position", None) or scene.cycles.motion_blur_position
+    start = {"START": 0.0, "CENTER": -render.motion_blur_shutter / 2, "END": -render.motion_blur_shutter}[position]
+    return start, start + render.motion_blur_shutter

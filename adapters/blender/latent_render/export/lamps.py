@@ -1,0 +1,168 @@
+"""Lamps. Blender gives them in watts; Latent's numbers are radiances and intensities of Cycles' unit."""
+import math
+
+import bpy
+
+from . import spectra
+from .nodes import Graph, is_constant
+from .pbrt import directive, matrix
+
+
+def group(settings, owner):
+    """The name of the light group of an object."""
+    if settings.light_groups == "COLLECTIONS" and owner.users_collection:
+        return owner.users_collection[0].name
+    return owner.name
+
+
+def strength(lamp, report):
+    """The colour of a lamp: its own times that of its nodes; and the name of a file of IES, which is not read here."""
+    color = list(lamp.color)
+    if getattr(lamp, "use_temperature", False):
+        color = [c * t for c, t in zip(color, lamp.temperature_color)]
+    factor = 2.0 ** getattr(lamp, "exposure", 0.0)
+    color = [c * factor for c in color]
+    if not lamp.use_nodes or not lamp.node_tree:
+        return color
+    lost = lambda what: report.lost(f"lamp {lamp.name}", what)  # noqa: E731
+    graph = Graph(lamp.node_tree, lost)
+    output = next((node for node in lamp.node_tree.nodes if node.type == "OUTPUT_LIGHT" and node.is_active_output), None)
+    found = graph.source(output.inputs["Surface"]) if output else None
+    if not found or found[0].type != "EMISSION":
+        lost("its nodes are ignored: no Emission leads to the output")
+        return color
+    node = found[0]
+    values = [graph.of(node, "Color"), graph.of(node, "Strength")]
+    if not is_constant(*values):
+        lost("a texture of its nodes is ignored")
+        return color
+    return [c * n * values[1].number() for c, n in zip(color, values[0].rgb)]
+
+
+def export(owner, pose, name, report, radius_of_scene, center, sees):
+    """Directives of a lamp at `pose`. `sees(center, radius)`: whether a ball may be in the picture."""
+    lamp = owner.data
+    settings = lamp.latent
+    color = strength(lamp, report)
+    if lamp.energy == 0 or max(color) <= 0:
+        return []
+    if lamp.energy < 0 or min(color) < 0:
+        report.lost(f"lamp {owner.name}", "negative light is left out")
+        return []
+    lost = lambda what: report.lost(f"lamp {owner.name}", what)  # noqa: E731
+    if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
+        lost("it casts shadows")
+    lines = MAKERS[lamp.type](Lamp(lamp, settings, color, name, lost, radius_of_scene, center, sees), pose)
+    return ["AttributeBegin", *lines, "AttributeEnd"]
+
+
+class Lamp:
+    def __init__(self, lamp, settings, color, name, lost, radius_of_scene, center, sees):
+        self.lamp, self.settings, self.color, self.name, self.lost = lamp, settings, color, name, lost
+        self.radius_of_scene, self.center, self.sees = radius_of_scene, center, sees
+
+    def source(self, kind, key, scale, word="LightSource", **more):
+        spectrum, factor = spectra.lamp(self.settings, key, self.color)
+        return directive(word, kind, **{**spectrum, "float scale": float(scale * factor), "string name": self.name, **more})
+
+    def surface(self, shape, center, radius, radiance, **more):
+        """A shape that emits, within a ball. An unseen one shines all the same: only rays do not meet it."""
+        visible = self.settings.visible == "ALWAYS" or (self.settings.visible == "AUTO" and not self.sees(center, radius))
+        hidden = {} if visible else {"float alpha": 0.0}
+        return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more), shape(hidden)]
+
+
+def at(pose):
+    """Without a scale, which lamps ignore but for areas."""
+    place = pose.to_quaternion().to_matrix().to_4x4()
+    place.translation = pose.translation
+    return place
+
+
+def point(lamp, pose):
+    radius, watts = lamp.lamp.shadow_soft_size, lamp.lamp.energy
+    if radius < 1e-6:
+        return [matrix(at(pose)), lamp.source("point", "I", watts / (4 * math.pi))]
+    sphere = lambda hidden: directive("Shape", "sphere", **{"float radius": radius, **hidden})  # noqa: E731
+    return [matrix(at(pose)), *lamp.surface(sphere, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
+
+
+def spot(lamp, pose):
+    """The edge is a smoothstep of the cosine, as pbrt's."""
+    if lamp.lamp.shadow_soft_size > 1e-6:
+        lamp.lost("a spot lamp has no size: its shadows are sharp")
+    outer = math.cos(lamp.lamp.spot_size / 2)
+    inner = outer + (1 - outer) * lamp.lamp.spot_blend
+    cone = lamp.lamp.spot_size / 2
+    return [matrix(at(pose)), lamp.source("spot", "I", lamp.lamp.energy / (4 * math.pi),
+                                          **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0], "float coneangle": math.degrees(cone),
+                                             "float conedeltaangle": math.degrees(cone - math.acos(min(1.0, inner)))})]
+
+
+def sun(lamp, pose):
+    """With an angle: a disk so far away that its light falls off by less than a thousandth across the scene."""
+    half = lamp.lamp.angle / 2
+    turned = at(pose)
+    turned.translation = (0, 0, 0)
+    if half < 1e-5:
+        return [matrix(turned), lamp.source("distant", "L", lamp.lamp.energy, **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]})]
+    distance = 2000 * lamp.radius_of_scene
+    turned.translation = lamp.center + distance * turned.col[2].xyz
+    # The disk faces along its +z, and shines along -z.
+    disk = lambda hidden: directive("Shape", "disk", **{"float radius": distance * math.tan(half), **hidden})  # noqa: E731
+    radiance = lamp.lamp.energy / (math.pi * math.sin(half) ** 2)
+    return [matrix(turned), "ReverseOrientation", *lamp.surface(disk, turned.translation, distance * math.tan(half), radiance)]
+
+
+# Watts of an area lamp for each unit of radiance and area: Blender 3's counted pi / 4 of the power.
+AREA_FACTOR = math.pi if bpy.app.version >= (4, 0, 0) else 4.0
+
+
+def area(lamp, pose):
+    data = lamp.lamp
+    wide = data.size
+    high = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+    stretch = pose.to_scale()
+    wide, high = wide * abs(stretch.x), high * abs(stretch.y)
+    surface = wide * high * (math.pi / 4 if data.shape in ("DISK", "ELLIPSE") else 1)
+    if surface <= 0:
+        lamp.lost("an area of no size is left out")
+        return []
+    radiance, more = data.energy / (AREA_FACTOR * surface), {}
+    spread = getattr(data, "spread", math.pi)
+    if spread < math.pi - 1e-3:
+        lamp.lost("its spread is a power of the cosine of equal half-width")
+        more, radiance = spread_of(spread, radiance)
+    if data.shape in ("DISK", "ELLIPSE"):
+        scaled = matrix([[wide / 2, 0, 0, 0], [0, high / 2, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "ConcatTransform")
+        shape = lambda hidden: directive("Shape", "disk", **{"float radius": 1.0, **hidden})  # noqa: E731
+        return [matrix(at(pose)), scaled, "ReverseOrientation", *lamp.surface(shape, pose.translation, math.hypot(wide, high) / 2, radiance, **more)]
+    x, y = wide / 2, high / 2
+    corners = [-x, -y, 0.0, -x, y, 0.0, x, -y, 0.0, x, y, 0.0]  # facing -z
+    shape = lambda hidden: directive("Shape", "bilinearmesh", **{"point3 P": corners, "integer indices": [0, 1, 2, 3], **hidden})  # noqa: E731
+    return [matrix(at(pose)), *lamp.surface(shape, pose.translation, math.hypot(wide, high) / 2, radiance, **more)]
+
+
+def spread_of(spread, radiance):
+    """Cycles: max(0, 1 - tan a / tan(spread / 2)) times a factor that keeps the power. Here: cos^n a that is half at the same angle."""
+    half = math.atan(0.5 * math.tan(max(spread, 1e-3) / 2))
+    power = math.log(0.5) / math.log(math.cos(half))
+    return {"float latent:exponent": power}, radiance * (power + 2) / 2
+
+
+MAKERS = {"POINT": point, "SPOT": spot, "SUN": sun, "AREA": area}
+
+
+def portal(owner, pose):
+    """Corners of a portal, in the world: a sky shines through it alone."""
+    data = owner.data
+    high = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+    x, y = data.size / 2, high / 2
+    from mathutils import Vector
+
+    return [pose @ Vector(corner) for corner in ((-x, -y, 0), (-x, y, 0), (x, y, 0), (x, -y, 0))]
+
+
+def is_portal(owner):
+    data = owner.data
+    return data.type == "AREA" and bool(getattr(data, "is_portal", False) or (hasattr(data, "cycles") and getattr(data.cycles, "is_portal", False)))

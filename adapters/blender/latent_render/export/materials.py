@@ -1,0 +1,439 @@
+"""Materials: what each shader node is in pbrt, by a table."""
+import math
+from dataclasses import dataclass, field
+
+from . import spectra
+from .nodes import BLACK, WHITE, Constant, Graph, Picture, Unknown, constant, each, is_constant, mix, parameter, product
+from .pictures import Places
+
+
+@dataclass
+class Surface:
+    material: tuple = None  # type, parameters; None: nothing that reflects
+    emission: list = field(default_factory=list)  # of (colour, strength)
+    alpha: object = WHITE  # share of the light that the surface stops
+    places: Places = None
+
+    @property
+    def is_clear(self):
+        return self.material is None and not self.emission and is_constant(self.alpha) and self.alpha.number() == 0
+
+
+@dataclass
+class Exported:
+    """What stands before the shapes of a material, and what their mesh must have."""
+
+    lines: list
+    emits: bool
+    alpha: dict
+    places: Places
+    key: str
+
+
+MATT_BLACK = ("diffuse", {"rgb reflectance": [0.0, 0.0, 0.0]})
+DEFAULT = ("diffuse", {"rgb reflectance": [0.8, 0.8, 0.8]})
+
+
+class Reader:
+    """One material. Shaders are read from its output backwards."""
+
+    def __init__(self, document, graph, settings):
+        self.document, self.graph, self.settings = document, graph, settings
+
+    def shader(self, socket):
+        return self.graph.follow(socket, self.surface, lambda _: Surface())
+
+    def surface(self, node, _):
+        read = SHADERS.get(node.type)
+        if read is None:
+            self.graph.lost(f"shader {node.bl_label} is replaced by a matt grey")
+            return Surface(DEFAULT)
+        return read(self, node)
+
+    def value(self, node, *names):
+        return self.graph.of(node, *names)
+
+    def number(self, node, *names):
+        return self.graph.number(node, *names)
+
+    def set(self, name, kind, value):
+        return parameter(self.document, name, kind, value)
+
+    def named(self, material):
+        """Of a part of a mixture."""
+        return self.document.material(*(material or MATT_BLACK))
+
+    # What is added to a material of any type.
+    def relief(self, node, *names):
+        """Parameters of a bump or normal map."""
+        socket = self.graph.input(node, *(names or ("Normal",)))
+        if socket is None or not socket.is_linked:
+            return {}
+        return self.graph.follow(socket, self.relief_of, lambda _: {})
+
+    def relief_of(self, node, _):
+        if node.type == "BUMP":
+            height = self.graph.of(node, "Height")
+            depth = self.number(node, "Distance") * self.number(node, "Strength") * (-1 if node.invert else 1)
+            if is_constant(height):
+                return {}
+            if self.graph.input(node, "Normal").is_linked:
+                self.graph.lost("of two reliefs, only the last one remains")
+            return self.set("displacement", "float", product(height, constant(depth)))
+        if node.type == "NORMAL_MAP":
+            value = self.graph.of(node, "Color")
+            plain = isinstance(value, Picture) and not any("uscale vscale udelta vdelta".find(key.split()[1]) >= 0 for key in value.parameters)
+            if node.space != "TANGENT" or not plain:
+                self.graph.lost("a normal map that is not a tangent-space picture of the first UV map is left out")
+                return {}
+            if abs(self.number(node, "Strength") - 1) > 1e-3:
+                self.graph.lost("the strength of the normal map is 1")
+            return {"string normalmap": value.parameters["string filename"]}
+        self.graph.lost(f"relief by {node.bl_label} is left out")
+        return {}
+
+
+# ----- shaders
+
+
+def diffuse(reader, node):
+    if reader.number(node, "Roughness") > 0:
+        reader.graph.lost("the roughness of a Diffuse BSDF is 0")
+    return Surface(("diffuse", {**reader.set("reflectance", "spectrum", reader.value(node, "Color")), **reader.relief(node)}))
+
+
+def translucent(reader, node):
+    return Surface(("diffusetransmission", {"rgb reflectance": [0.0, 0.0, 0.0], **reader.set("transmittance", "spectrum", reader.value(node, "Color"))}))
+
+
+def roughness(reader, node):
+    return reader.value(node, "Roughness") if getattr(node, "distribution", "") != "SHARP" else BLACK
+
+
+def alpha_axes(alpha, anisotropy):
+    """Of Cycles' Principled BSDF: along the tangent and across it."""
+    aspect = math.sqrt(1 - 0.9 * min(1.0, max(0.0, anisotropy)))
+    return alpha / aspect, alpha * aspect
+
+
+def glossy(reader, node):
+    """Cycles' Glossy BSDF is a mirror of its colour at every angle, which a surface of a very high index comes close to. Only for a metal
+    of the panel, or with a direction, it is a metal."""
+    rough, color = roughness(reader, node), reader.value(node, "Color")
+    metal = spectra.metal(reader.settings)
+    anisotropy = reader.number(node, "Anisotropy") if "Anisotropy" in node.inputs else 0.0
+    if (metal or anisotropy) and is_constant(rough):
+        along, across = glossy_axes(rough.number() ** 2, anisotropy)
+        look = metal or reader.set("reflectance", "spectrum", color)
+        return Surface(("conductor", {**look, "float uroughness": along, "float vroughness": across, "bool remaproughness": False, **reader.relief(node)}))
+    most = min(1.0, max(color.rgb)) if is_constant(color) else 1.0
+    if is_constant(color) and most > 0:
+        color = each(lambda c: c / most, color)
+    return Surface(("latent:principled", {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most,
+                                          **reader.set("specularcolor", "spectrum", color), **reader.set("roughness", "float", rough), **reader.relief(node)}))
+
+
+def glossy_axes(alpha, anisotropy):
+    """Of Cycles' Glossy BSDF."""
+    anisotropy = min(0.99, max(-0.99, anisotropy))
+    return (alpha / (1 + anisotropy), alpha / (1 - anisotropy))[:: 1 if anisotropy <= 0 else -1] if anisotropy else (alpha, alpha)
+
+
+def glass(reader, node):
+    rough = roughness(reader, node)
+    if not is_constant(rough):
+        reader.graph.lost("the roughness of glass is a constant")
+        rough = constant(0.0)
+    color = reader.value(node, "Color")
+    return Surface(("latent:principled", {"float transmission": 1.0, "float roughness": rough.number(), **reader.set("color", "spectrum", color),
+                                          **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
+
+
+def refraction(reader, node):
+    reader.graph.lost("a Refraction BSDF is glass, which reflects, too")
+    return glass(reader, node)
+
+
+def transparent(reader, node):
+    color = reader.value(node, "Color")
+    if not is_constant(color) or len(set(color.rgb)) > 1:
+        reader.graph.lost("the colour of a Transparent BSDF is grey")
+    share = color.number() if is_constant(color) else 1.0
+    return Surface(None, alpha=constant(1 - share))
+
+
+def emission(reader, node):
+    return Surface(None, [(reader.value(node, "Color"), reader.value(node, "Strength"))])
+
+
+def subsurface(reader, node):
+    """A solid that light wanders through. Cycles' has no surface of its own."""
+    radius, scale = reader.value(node, "Radius"), reader.number(node, "Scale")
+    color = reader.value(node, "Color")
+    if not is_constant(color, radius):
+        reader.graph.lost("subsurface scattering with textures is matt")
+        return Surface(("diffuse", reader.set("reflectance", "spectrum", color)))
+    reader.graph.lost("subsurface scattering lies below a surface of index 1.01")
+    return Surface(("subsurface", {"rgb reflectance": list(color.rgb), "rgb mfp": [max(1e-6, r * scale) for r in radius.rgb], "float eta": 1.01}))
+
+
+def hair(reader, node):
+    """Absorption as Cycles': by colour, by melanin or directly."""
+    shape = {"float beta_m": reader.number(node, "Roughness"), "float beta_n": reader.number(node, "Radial Roughness"),
+             "float alpha": math.degrees(reader.number(node, "Offset")), "float eta": reader.number(node, "IOR")}
+    way = getattr(node, "parametrization", "COLOR")
+    if way == "ABSORPTION":
+        pigment = reader.set("sigma_a", "spectrum", reader.value(node, "Absorption Coefficient"))
+    elif way == "MELANIN":
+        melanin, red = min(1.0, max(0.0, reader.number(node, "Melanin"))), min(1.0, max(0.0, reader.number(node, "Melanin Redness")))
+        amount = -math.log(max(1 - melanin, 1e-4))
+        pigment = {"float eumelanin": amount * (1 - red), "float pheomelanin": amount * red}
+    else:
+        pigment = reader.set("reflectance", "spectrum", reader.value(node, "Color"))
+    return Surface(("hair", {**pigment, **shape}))
+
+
+def principled(reader, node):
+    """Inputs have other names since Blender 4.0."""
+    graph, is_new = reader.graph, "Coat Weight" in node.inputs
+    number = lambda *names: reader.number(node, *names)  # noqa: E731
+    base = reader.value(node, "Base Color")
+    parameters = reader.set("color", "spectrum", raised(base, second_loss(reader, node, is_new)))
+    for name, kind, names in PRINCIPLED:
+        value = reader.value(node, *names)
+        if value is not None:
+            parameters |= reader.set(name, kind, value)
+    transmission = reader.value(node, "Transmission Weight", "Transmission")
+    passes = not is_constant(transmission) or transmission.number() > 0
+    metallic = reader.value(node, "Metallic")
+    if passes and not (is_constant(metallic) and (is_constant(transmission) or metallic.number() == 0)):
+        graph.lost("transmission beside a texture of metallic is left out")
+        parameters = {key: value for key, value in parameters.items() if key.split()[1] != "transmission"}
+        passes = False
+    if passes and "texture roughness" in parameters:
+        graph.lost("the roughness of glass is a constant")
+        parameters.pop("texture roughness")
+        parameters["float roughness"] = 0.0
+    ior, level = number("IOR"), number("Specular IOR Level", "Specular")
+    f0 = min(0.99, ((ior - 1) / (ior + 1)) ** 2 * 2 * level if is_new else 0.08 * level)
+    root = math.sqrt(max(f0, 0.0))
+    is_glass = passes and is_constant(transmission) and transmission.number() > 0.5
+    parameters |= spectra.index(reader.settings, ior if is_glass else (1 + root) / (1 - root))
+    if level == 0 and not is_glass:
+        parameters["float specular"] = 0.0
+    tint = reader.value(node, "Specular Tint")
+    if not is_new and is_constant(tint, base):
+        luminance = max(base.number(), 1e-6)
+        tint = mix(WHITE, Constant(tuple(min(1.0, c / luminance) for c in base.rgb)), tint)
+    if is_constant(tint) and tint.rgb != WHITE.rgb and (is_new or tint.number() > 0):
+        parameters |= reader.set("specularcolor", "spectrum", tint)
+    anisotropy = number("Anisotropic")
+    if anisotropy > 0 and "float roughness" in parameters:
+        along, across = alpha_axes(parameters["float roughness"] ** 2, anisotropy)
+        parameters["float roughness"] = math.sqrt(across)
+        parameters["float anisotropy"] = math.sqrt(min(1.0, max(0.0, (along - across) / max(1e-6, 1 - across))))
+        parameters["float anisotropyrotation"] = 360.0 * number("Anisotropic Rotation")
+    sheen = number("Sheen Weight", "Sheen")
+    if sheen > 0:
+        if is_new:
+            color = reader.value(node, "Sheen Tint")
+            parameters |= reader.set("sheen", "spectrum", product(color, constant(sheen)))
+            parameters["float sheenroughness"] = max(0.07, number("Sheen Roughness"))
+        else:
+            graph.lost("sheen is left out (Blender 4.0 has one that Latent knows)")
+    if is_new and "Thin Film Thickness" in node.inputs and number("Thin Film Thickness") > 0:
+        parameters |= {"float film": 1.0, "float filmthickness": number("Thin Film Thickness"), "float filmeta": number("Thin Film IOR")}
+    weight = number("Subsurface Weight", "Subsurface")
+    if weight > 0:
+        graph.lost("the subsurface scattering of a Principled BSDF is matt")
+        if not is_new:
+            parameters = {key: value for key, value in parameters.items() if key.split()[1] != "color"}
+            base = mix(base, reader.value(node, "Subsurface Color"), constant(weight))
+            parameters |= reader.set("color", "spectrum", raised(base, second_loss(reader, node, is_new)))
+    coat = reader.graph.input(node, "Coat Tint")
+    if coat is not None and number("Coat Weight") > 0 and (coat.is_linked or min(list(coat.default_value)[:3]) < 1):
+        graph.lost("the tint of the coat is white")
+    metal = spectra.metal(reader.settings)
+    surface = Surface(("latent:principled", {**parameters, **reader.relief(node)}))
+    if metal and is_constant(metallic) and metallic.number() == 1 and is_constant(reader.value(node, "Roughness")):
+        rough = reader.value(node, "Roughness").number() ** 2
+        surface.material = ("conductor", {**metal, "float roughness": rough, "bool remaproughness": False, **reader.relief(node)})
+    strength, color = reader.value(node, "Emission Strength"), reader.value(node, "Emission Color", "Emission")
+    if not (is_constant(strength) and strength.number() == 0) and not (is_constant(color) and max(color.rgb) == 0):
+        surface.emission.append((color, strength))
+    surface.alpha = reader.value(node, "Alpha")
+    return surface
+
+
+# The mean reflectance of a smooth surface of index 1.5 under light from everywhere.
+MEAN_GLOSS = 0.09
+
+
+def second_loss(reader, node, is_new):
+    """Light that Latent's layers take from what is below them on the way out, and Blender's do not: of a coat; before 4.0, of gloss, too."""
+    metallic, transmission = reader.value(node, "Metallic"), reader.value(node, "Transmission Weight", "Transmission")
+    coat, level = reader.value(node, "Coat Weight", "Clearcoat"), reader.value(node, "Specular IOR Level", "Specular")
+    if not is_constant(metallic, transmission, coat, level) or transmission.number() > 0:
+        return 0.0
+    if is_new:
+        return MEAN_GLOSS * coat.number()
+    return MEAN_GLOSS * (0.25 * coat.number() + min(1.0, 2 * level.number()) * (1 - metallic.number()))
+
+
+def raised(base, loss):
+    """A colour that is as bright after that loss."""
+    if loss == 0:
+        return base
+    return each(lambda c: min(1.0, c / (1 - loss)), base) if is_constant(base) else product(base, constant(1 / (1 - loss)))
+
+
+# Inputs of a Principled BSDF that mean the same in latent:principled.
+PRINCIPLED = [
+    ("metallic", "float", ("Metallic",)),
+    ("roughness", "float", ("Roughness",)),
+    ("coat", "float", ("Coat Weight", "Clearcoat")),
+    ("coatroughness", "float", ("Coat Roughness", "Clearcoat Roughness")),
+    ("transmission", "float", ("Transmission Weight", "Transmission")),
+]
+
+
+def fresnel_pair(reader, node, first, second):
+    """Diffuse below gloss, mixed by Fresnel: how plastic was made before the Principled BSDF."""
+    found = reader.graph.source(node.inputs[0])
+    kinds = [reader.graph.source(socket) for socket in node.inputs[1:3]]
+    names = [kind[0].type if kind else "" for kind in kinds]
+    if not (found and found[0].type in ("FRESNEL", "LAYER_WEIGHT") and found[1].name != "Facing" and names == ["BSDF_DIFFUSE", "BSDF_GLOSSY"]):
+        return None
+    weight, matt, gloss = found[0], kinds[0][0], kinds[1][0]
+    eta = reader.number(weight, "IOR") if weight.type == "FRESNEL" else 1 / max(1e-3, 1 - reader.number(weight, "Blend"))
+    return Surface(("latent:principled", {**reader.set("color", "spectrum", reader.value(matt, "Color")),
+                                          **reader.set("roughness", "float", roughness(reader, gloss)), "float eta": eta, **reader.relief(gloss)}))
+
+
+def mixed(reader, node):
+    around = reader.graph.groups
+    plastic = fresnel_pair(reader, node, *node.inputs[1:3])
+    reader.graph.groups = around
+    if plastic:
+        return plastic
+    amount, first, second = reader.graph.value(node.inputs[0]), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
+    if is_constant(amount):
+        amount = constant(min(1.0, max(0.0, amount.number())))
+        if amount.number() in (0.0, 1.0):
+            return second if amount.number() else first
+    rest = each(lambda c: 1 - c, amount) if is_constant(amount) else mix(WHITE, BLACK, amount)
+    if second.is_clear:
+        return Surface(first.material, weighted(reader, first.emission, constant(1)), product(first.alpha, rest))
+    if first.is_clear:
+        return Surface(second.material, weighted(reader, second.emission, constant(1)), product(second.alpha, amount))
+    emitted = weighted(reader, first.emission, rest) + weighted(reader, second.emission, amount)
+    alpha = mix(first.alpha, second.alpha, amount) if not is_constant(first.alpha, second.alpha) or first.alpha != second.alpha else first.alpha
+    if not first.material and not second.material:
+        return Surface(None, emitted, alpha)
+    share = {"texture amount": reader.set("amount", "float", amount)["texture amount"]} if not is_constant(amount) else {"float amount": amount.number()}
+    return Surface(("mix", {"string materials": [reader.named(first.material), reader.named(second.material)], **share}), emitted, alpha)
+
+
+def weighted(reader, emission, amount):
+    return [(color, product(strength, amount)) for color, strength in emission]
+
+
+def added(reader, node):
+    first, second = (reader.shader(socket) for socket in list(node.inputs)[:2])
+    alpha = first.alpha if first.material or not second.material else second.alpha
+    emitted = first.emission + second.emission
+    if first.material and second.material:
+        reader.graph.lost("Add Shader of two surfaces is their mixture, half of each")
+        names = [reader.named(first.material), reader.named(second.material)]
+        return Surface(("mix", {"string materials": names, "float amount": 0.5}), emitted, alpha)
+    return Surface(first.material or second.material, emitted, alpha)
+
+
+def matt(reader, node):
+    reader.graph.lost(f"shader {node.bl_label} is a matt one of its colour")
+    return Surface(("diffuse", reader.set("reflectance", "spectrum", reader.value(node, "Color"))))
+
+
+SHADERS = {
+    "BSDF_DIFFUSE": diffuse,
+    "BSDF_TRANSLUCENT": translucent,
+    "BSDF_GLOSSY": glossy,
+    "BSDF_ANISOTROPIC": glossy,
+    "BSDF_METALLIC": glossy,
+    "BSDF_GLASS": glass,
+    "BSDF_REFRACTION": refraction,
+    "BSDF_TRANSPARENT": transparent,
+    "BSDF_HAIR_PRINCIPLED": hair,
+    "BSDF_PRINCIPLED": principled,
+    "BSDF_VELVET": matt,
+    "BSDF_SHEEN": matt,
+    "BSDF_TOON": matt,
+    "SUBSURFACE_SCATTERING": subsurface,
+    "EMISSION": emission,
+    "MIX_SHADER": mixed,
+    "ADD_SHADER": added,
+}
+
+
+# ----- whole materials
+
+
+def active_output(tree):
+    outputs = [node for node in tree.nodes if node.type == "OUTPUT_MATERIAL" and node.target in ("ALL", "CYCLES")]
+    return next((node for node in outputs if node.is_active_output), outputs[0] if outputs else None)
+
+
+def export(document, material, report, files, light_name):
+    """What an object of this material (None: the default) is written with."""
+    from . import volumes
+
+    if material is None or not (getattr(material, "use_nodes", True) and material.node_tree):
+        color = list(material.diffuse_color)[:3] if material else [0.8, 0.8, 0.8]
+        name = document.material("diffuse", {"rgb reflectance": color})
+        return Exported([f'NamedMaterial "{name}"'], False, {}, Places(Unknown), name)
+    places = Places(Unknown)
+    graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files, material)
+    reader = Reader(document, graph, material.latent)
+    output = active_output(material.node_tree)
+    surface = reader.shader(output.inputs["Surface"]) if output else Surface(DEFAULT)
+    if output and output.inputs["Displacement"].is_linked:
+        graph.lost("displacement is left out; use a modifier, or a Bump node")
+    medium = volumes.medium(document, output, graph) if output else None
+    lines = []
+    if medium:
+        lines.append(f'MediumInterface "{medium}" ""')
+    only_volume = bool(medium) and output and not output.inputs["Surface"].is_linked
+    if only_volume or surface.is_clear:
+        name = "interface"
+        lines.append('Material "interface"')
+    else:
+        kind, parameters = surface.material or MATT_BLACK
+        parameters = {**parameters, **spectra.reflectance(material.latent, kind, parameters)}
+        name = document.material(kind, parameters)
+        lines.append(f'NamedMaterial "{name}"')
+    lamps = [area_light(document, graph, color, strength, light_name) for color, strength in surface.emission]
+    lamps = [lamp for lamp in lamps if lamp]
+    if len(lamps) > 1:
+        graph.lost("of several emissions, only the first remains")
+    lines += lamps[:1]
+    alpha = {} if is_constant(surface.alpha) and surface.alpha.number() == 1 or surface.is_clear else parameter(document, "alpha", "float", surface.alpha)
+    return Exported(lines, bool(lamps), alpha, places, "|".join(lines))
+
+
+def area_light(document, graph, color, strength, name):
+    """Of a surface that emits on both sides. Radiances are in W/(m^2 sr), as Cycles'."""
+    from .pbrt import directive
+
+    if not is_constant(strength):
+        graph.lost("the texture of the strength of an emission is its mean, 1")
+        strength = WHITE
+    scale = strength.number()
+    common = {"bool twosided": True, "string name": name}
+    if isinstance(color, Picture) and not any("uscale vscale udelta vdelta".find(key.split()[1]) >= 0 for key in color.parameters):
+        return directive("AreaLightSource", "diffuse", **{"string filename": color.parameters["string filename"], "float scale": scale, **common})
+    if not is_constant(color):
+        graph.lost("the texture of an emission is white")
+        color = WHITE
+    if scale <= 0 or max(color.rgb) <= 0:
+        return None
+    return directive("AreaLightSource", "diffuse", **{"rgb L": list(color.rgb), "float scale": scale, **common})

@@ -1,0 +1,111 @@
+"""Meshes: from Blender's polygons to PLY files, one for each material."""
+import numpy as np
+
+from . import ply
+
+
+def read(collection, name, width, kind=np.float32):
+    """An attribute of all elements of a collection: (count, width), or (count,) for a width of 1."""
+    data = np.empty(len(collection) * width, kind)
+    collection.foreach_get(name, data)
+    return data.reshape(-1, width) if width > 1 else data
+
+
+class Corners:
+    """The corners of a mesh's triangles, with what lies there. Blender's normals are in another place since 4.1."""
+
+    def __init__(self, mesh):
+        self.mesh = mesh
+        new = hasattr(mesh, "normals_domain")
+        if not new and mesh.use_auto_smooth:
+            mesh.calc_normals_split()
+        mesh.calc_loop_triangles()
+        count = len(mesh.loop_triangles)
+        self.triangles = read(mesh.loop_triangles, "vertices", 3, np.int32)
+        self.loops = read(mesh.loop_triangles, "loops", 3, np.int32)
+        self.materials = read(mesh.loop_triangles, "material_index", 1, np.int32)
+        self.positions = read(mesh.vertices, "co", 3)
+        if new:
+            domain = mesh.normals_domain
+        else:
+            smooth = np.empty(len(mesh.polygons), bool)
+            mesh.polygons.foreach_get("use_smooth", smooth)
+            domain = "CORNER" if mesh.use_auto_smooth else "FACE" if not smooth.any() else "POINT" if smooth.all() else "MIXED"
+        self.normals = self.vertex_normals = None
+        if domain == "POINT":
+            self.vertex_normals = read(mesh.vertices, "normal", 3)
+        elif domain == "CORNER" and count:
+            self.normals = read(mesh.corner_normals, "vector", 3) if new else read(mesh.loops, "normal", 3)
+        elif domain == "MIXED":  # some faces are flat
+            normals = read(mesh.vertices, "normal", 3)[read(mesh.loops, "vertex_index", 1, np.int32)]
+            faces = read(mesh.loop_triangles, "polygon_index", 1, np.int32)
+            flat = ~smooth[faces]
+            normals[self.loops[flat].ravel()] = np.repeat(read(mesh.polygons, "normal", 3)[faces[flat]], 3, 0)
+            self.normals = normals
+
+    def uv_map(self, name):
+        layers = self.mesh.uv_layers
+        layer = layers.get(name) if name else next((layer for layer in layers if layer.active_render), layers.active)
+        return None if layer is None else read(layer.data, "uv", 2)
+
+    def colors(self, name):
+        """(values, whether they belong to corners)."""
+        attributes = self.mesh.color_attributes
+        found = attributes.get(name) if name else (attributes[attributes.render_color_index] if len(attributes) else None)
+        if found is None or found.domain not in ("POINT", "CORNER"):
+            return None
+        return read(found.data, "color", 4)[:, :3], found.domain == "CORNER"
+
+    def generated(self):
+        """Texture space: from 0 to 1 over the box of the mesh."""
+        low = np.array(self.mesh.texspace_location) - np.array(self.mesh.texspace_size)
+        return (self.positions - low) / np.maximum(2 * np.array(self.mesh.texspace_size), 1e-9)
+
+    def place(self, places, lost):
+        """Texture coordinates as `places` asks: (values, whether they belong to corners), or None."""
+        if places.source is None:
+            return None
+        if places.source[0] == "uv":
+            uv = self.uv_map(places.source[1])
+            if uv is None:
+                lost(f"UV map {places.source[1] or '(active)'} is missing")
+                return None
+            at = np.c_[uv, np.zeros(len(uv)), np.ones(len(uv))]
+        else:
+            points = self.generated() if places.source[0] == "generated" else self.positions
+            at = np.c_[points, np.ones(len(points))]
+        return (at @ places.matrix.T)[:, :2].astype(np.float32), places.source[0] == "uv"
+
+
+def export(corners, slot_count, places_of, folder, lost):
+    """Files in `folder` for the materials that are used: [(slot, name)]. `places_of(slot)`: texture coordinates that are wanted."""
+    written = []
+    slots = np.clip(corners.materials, 0, max(0, slot_count - 1))
+    for slot in np.unique(slots):
+        mine = slots == slot
+        everything = mine.all()
+        triangles, loops = (corners.triangles, corners.loops) if everything else (corners.triangles[mine], corners.loops[mine])
+        places = places_of(int(slot))
+        columns = {"positions": (corners.positions, False), "normals": None, "uvs": corners.place(places, lost), "colors": None}
+        if corners.vertex_normals is not None:
+            columns["normals"] = (corners.vertex_normals, False)
+        elif corners.normals is not None:
+            columns["normals"] = (corners.normals, True)
+        if places.color is not None:
+            columns["colors"] = corners.colors(places.color)
+            if columns["colors"] is None:
+                lost(f"colour attribute {places.color} is missing")
+        columns = {name: column for name, column in columns.items() if column is not None}
+        if any(of_corners for _, of_corners in columns.values()):
+            at, loop = triangles.ravel(), loops.ravel()
+            own = [data[loop] for data, of_corners in columns.values() if of_corners]
+            stands, vertex = ply.shared([at.astype(np.uint32), *own])
+            kept = {name: data[(loop if of_corners else at)[stands]] for name, (data, of_corners) in columns.items()}
+            triangles = vertex.reshape(-1, 3)
+        else:
+            kept = {name: data for name, (data, _) in columns.items()}
+            if not everything:
+                used, vertex = np.unique(triangles, return_inverse=True)
+                kept, triangles = {name: data[used] for name, data in kept.items()}, vertex.reshape(-1, 3)
+        written.append((int(slot), ply.store(ply.encode(triangles=triangles, **kept), folder, ".ply")))
+    return written

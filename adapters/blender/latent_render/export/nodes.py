@@ -1,0 +1,400 @@
+"""Values of Blender's shader nodes: constants as far as possible, otherwise textures of pbrt. Nodes are told apart by a table."""
+import math
+from dataclasses import dataclass
+
+from . import pictures
+
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+@dataclass(frozen=True)
+class Constant:
+    rgb: tuple
+
+    def number(self):
+        """A colour as a number, as Blender has it: its luminance."""
+        return self.rgb[0] if len(set(self.rgb)) == 1 else sum(c * w for c, w in zip(self.rgb, LUMINANCE))
+
+
+@dataclass
+class Picture:
+    parameters: dict  # of imagemap
+    of_color: bool = True
+
+
+@dataclass
+class Mix:
+    first: object
+    second: object
+    amount: object
+
+
+@dataclass
+class Scaled:
+    value: object
+    factor: object
+
+
+@dataclass
+class Pattern:
+    """Another texture of pbrt. `inputs`: parameters that are values themselves."""
+
+    kind: str
+    parameters: dict
+    inputs: dict
+
+
+WHITE, BLACK = Constant((1.0, 1.0, 1.0)), Constant((0.0, 0.0, 0.0))
+
+
+def constant(number):
+    return Constant((float(number),) * 3)
+
+
+def is_constant(*values):
+    return all(isinstance(value, Constant) for value in values)
+
+
+def parameter(document, name, kind, value):
+    """A parameter of a material: `kind` is float or spectrum."""
+    if is_constant(value):
+        return {f"rgb {name}": [max(0.0, c) for c in value.rgb]} if kind == "spectrum" else {f"float {name}": value.number()}
+    return {f"texture {name}": define(document, kind, value)}
+
+
+def define(document, kind, value):
+    """The name of the texture that is `value`."""
+    if isinstance(value, Constant):
+        return document.texture(kind, "constant", parameter(document, "value", kind, value))
+    if isinstance(value, Picture):
+        return document.texture(kind, "imagemap", value.parameters)
+    if isinstance(value, Mix):
+        return document.texture(kind, "mix", {**parameter(document, "tex1", kind, value.first), **parameter(document, "tex2", kind, value.second),
+                                              **parameter(document, "amount", "float", value.amount)})
+    if isinstance(value, Scaled):
+        return document.texture(kind, "scale", {**parameter(document, "tex", kind, value.value), **parameter(document, "scale", "float", value.factor)})
+    inputs = {}
+    for name, inner in value.inputs.items():
+        inputs |= parameter(document, name, kind, inner)
+    return document.texture(kind, value.kind, {**value.parameters, **inputs})
+
+
+class Unknown(Exception):
+    """A node that Latent cannot say."""
+
+
+class Graph:
+    """The nodes of one material, world or lamp. `places` says where pictures lie on the surface; `lost(what)` takes what is left out."""
+
+    def __init__(self, tree, lost, places=None, files=None, material=None):
+        self.tree, self.lost, self.places, self.files, self.material = tree, lost, places, files, material
+        self.groups = []  # around the node that is being read
+
+    # ----- links
+
+    def source(self, socket):
+        """The node and the output that feed an input, through reroutes, groups and muted nodes; None if nothing does."""
+        while socket.is_linked and socket.links:
+            link = socket.links[0]
+            node, output = link.from_node, link.from_socket
+            if node.type == "REROUTE":
+                socket = node.inputs[0]
+            elif node.mute:
+                passed = [inner for inner in node.internal_links if inner.to_socket == output]
+                if not passed:
+                    return None
+                socket = passed[0].from_socket
+            elif node.type == "GROUP" and node.node_tree:
+                ends = [end for end in node.node_tree.nodes if end.type == "GROUP_OUTPUT" and end.is_active_output]
+                if not ends:
+                    return None
+                self.groups = [*self.groups, node]
+                socket = next(inner for inner in ends[0].inputs if inner.identifier == output.identifier)
+            elif node.type == "GROUP_INPUT" and self.groups:
+                group = self.groups[-1]
+                self.groups = self.groups[:-1]
+                socket = next(outer for outer in group.inputs if outer.identifier == output.identifier)
+            else:
+                return node, output
+        self.unlinked = socket
+        return None
+
+    def follow(self, socket, read, otherwise):
+        """`read(node, output)` of what feeds `socket`, or `otherwise(socket)` of the input that has no link in the end."""
+        around = self.groups
+        found = self.source(socket)
+        try:
+            return read(*found) if found else otherwise(self.unlinked if socket.is_linked else socket)
+        finally:
+            self.groups = around
+
+    def input(self, node, *names):
+        """The first input that the node has of these names, which differ between versions of Blender."""
+        for name in names:
+            for socket in node.inputs:
+                if (socket.name == name or socket.identifier == name) and socket.enabled:
+                    return socket
+        return None
+
+    # ----- values
+
+    def value(self, socket):
+        """A Constant, or a texture. What Latent cannot say is its default, and listed."""
+        return self.follow(socket, self.evaluate, default)
+
+    def evaluate(self, node, output):
+        read = VALUES.get(node.type)
+        try:
+            if not read:
+                raise Unknown(f"node {node.bl_label}")
+            return read(self, node, output)
+        except Unknown as unknown:
+            baked = self.files and self.files.baked(self, node, output, Picture)
+            if baked:
+                return baked
+            self.lost(f"{unknown} is replaced by a constant")
+            inputs = [socket for socket in node.inputs if socket.type in ("RGBA", "VALUE") and socket.enabled and not socket.is_linked]
+            colors = [default(socket) for socket in inputs if socket.type == "RGBA"]
+            return colors[0] if colors else constant(0.5)
+
+    def of(self, node, *names):
+        socket = self.input(node, *names)
+        return self.value(socket) if socket is not None else None
+
+    def number(self, node, *names):
+        """Where Latent takes no texture."""
+        value = self.of(node, *names)
+        if not is_constant(value):
+            self.lost(f"the texture of {names[0]} is replaced by its default")
+            value = default(self.input(node, *names))
+        return value.number()
+
+
+def default(socket):
+    value = getattr(socket, "default_value", 0.0)
+    if hasattr(value, "__len__") and not isinstance(value, str):
+        return Constant(tuple(float(c) for c in list(value)[:3]))
+    return constant(value if isinstance(value, (int, float)) else 0.0)
+
+
+# ----- arithmetic
+
+
+def each(function, *values):
+    return Constant(tuple(float(function(*components)) for components in zip(*(value.rgb for value in values))))
+
+
+def mix(first, second, amount):
+    if is_constant(first, second, amount):
+        return each(lambda a, b, t: a + (b - a) * t, first, second, amount)
+    if is_constant(amount) and amount.number() in (0.0, 1.0):
+        return second if amount.number() else first
+    return Mix(first, second, amount)
+
+
+def product(first, second):
+    if is_constant(first, second):
+        return each(lambda a, b: a * b, first, second)
+    if is_constant(first):
+        first, second = second, first
+    if is_constant(second) and len(set(second.rgb)) > 1:
+        return Mix(BLACK, second, first) if isinstance(first, Picture) and not first.of_color else tinted(first, second)
+    return Scaled(first, second)
+
+
+def tinted(value, color):
+    """A coloured texture times a colour. pbrt scales by numbers alone."""
+    raise Unknown("a colour times a picture")
+
+
+BLENDS = {
+    "MIX": mix,
+    "MULTIPLY": lambda a, b, t: product(a, mix(WHITE, b, t)),
+    "ADD": lambda a, b, t: arithmetic(lambda x, y, w: x + y * w, a, b, t),
+    "SUBTRACT": lambda a, b, t: arithmetic(lambda x, y, w: x - y * w, a, b, t),
+    "SCREEN": lambda a, b, t: arithmetic(lambda x, y, w: 1 - (1 - w * y) * (1 - x), a, b, t),
+    "DARKEN": lambda a, b, t: arithmetic(lambda x, y, w: x + (min(x, y) - x) * w, a, b, t),
+    "LIGHTEN": lambda a, b, t: arithmetic(lambda x, y, w: x + (max(x, y) - x) * w, a, b, t),
+    "DIFFERENCE": lambda a, b, t: arithmetic(lambda x, y, w: x + (abs(x - y) - x) * w, a, b, t),
+    "DIVIDE": lambda a, b, t: arithmetic(lambda x, y, w: x + (x / y - x) * w if y else x, a, b, t),
+}
+
+MATHS = {
+    "ADD": lambda a, b: a + b,
+    "SUBTRACT": lambda a, b: a - b,
+    "DIVIDE": lambda a, b: a / b if b else 0.0,
+    "POWER": lambda a, b: a**b if a >= 0 else 0.0,
+    "MINIMUM": min,
+    "MAXIMUM": max,
+    "LESS_THAN": lambda a, b: float(a < b),
+    "GREATER_THAN": lambda a, b: float(a > b),
+    "MODULO": lambda a, b: math.fmod(a, b) if b else 0.0,
+    "SQRT": lambda a, _: math.sqrt(max(0.0, a)),
+    "ABSOLUTE": lambda a, _: abs(a),
+    "SINE": lambda a, _: math.sin(a),
+    "COSINE": lambda a, _: math.cos(a),
+    "FLOOR": lambda a, _: float(math.floor(a)),
+    "FRACT": lambda a, _: a - math.floor(a),
+    "LOGARITHM": lambda a, b: math.log(a, b) if a > 0 and b > 0 and b != 1 else 0.0,
+}
+
+
+def arithmetic(function, *values):
+    if not is_constant(*values):
+        raise Unknown("arithmetic with a picture")
+    return each(function, *values)
+
+
+def clamped(value, use):
+    return each(lambda c: min(1.0, max(0.0, c)), value) if use and is_constant(value) else value
+
+
+# ----- nodes
+
+
+def mix_rgb(graph, node, _):
+    """Both that of 3.4, and the older one."""
+    if node.type == "MIX" and node.data_type == "VECTOR":
+        raise Unknown("Mix of vectors")
+    inputs = node.inputs
+    if node.type == "MIX":
+        kind = {"RGBA": "Color", "FLOAT": "Float"}[node.data_type]
+        first, second, amount = (next(s for s in inputs if s.identifier == f"{name}_{suffix}")
+                                 for name, suffix in (("A", kind), ("B", kind), ("Factor", "Float")))
+        blend, clamp = node.blend_type if kind == "Color" else "MIX", node.clamp_result if kind == "Color" else False
+    else:
+        amount, first, second = inputs[0], inputs[1], inputs[2]
+        blend, clamp = node.blend_type, node.use_clamp
+    if blend not in BLENDS:
+        raise Unknown(f"Mix ({blend.lower()})")
+    return clamped(BLENDS[blend](graph.value(first), graph.value(second), clamped(graph.value(amount), True)), clamp)
+
+
+def math_node(graph, node, _):
+    first, second = (graph.value(socket) for socket in list(node.inputs)[:2])
+    if node.operation == "MULTIPLY":
+        return clamped(product(first, second), node.use_clamp)
+    if node.operation == "SUBTRACT" and is_constant(first) and first.number() == 1 and not is_constant(second):
+        return Mix(WHITE, BLACK, second)
+    if node.operation not in MATHS:
+        raise Unknown(f"Math ({node.operation.lower()})")
+    return clamped(arithmetic(MATHS[node.operation], first, second), node.use_clamp)
+
+
+def ramp(graph, node, output):
+    """Between two stops, a mixture. Of a constant, any ramp."""
+    amount, stops = graph.of(node, "Fac", "Factor"), node.color_ramp.elements
+    if is_constant(amount):
+        color = node.color_ramp.evaluate(amount.number())
+        return constant(color[3]) if output.name == "Alpha" else Constant(tuple(color[:3]))
+    ends = [constant(stop.color[3]) if output.name == "Alpha" else Constant(tuple(stop.color[:3])) for stop in stops]
+    if len(stops) == 1:
+        return ends[0]
+    low, high = stops[0].position, stops[1].position
+    if len(stops) > 2 or node.color_ramp.interpolation != "LINEAR" or high - low < 1e-6 or low > 1e-6 or high < 1 - 1e-6:
+        raise Unknown("Color Ramp with more than two stops, at 0 and 1, of a picture")
+    return Mix(ends[0], ends[1], amount)
+
+
+def invert(graph, node, _):
+    color, amount = graph.of(node, "Color"), graph.of(node, "Fac", "Factor")
+    return mix(color, each(lambda c: 1 - c, color) if is_constant(color) else inverted(color), amount)
+
+
+def inverted(color):
+    if isinstance(color, Picture) and not color.parameters.get("bool invert"):
+        return Picture({**color.parameters, "bool invert": True}, color.of_color)
+    raise Unknown("Invert of a mixture")
+
+
+def blackbody(graph, node, _):
+    return Constant(blackbody_rgb(graph.number(node, "Temperature")))
+
+
+def blackbody_rgb(kelvin):
+    """Linear Rec. 709 of luminance 1: Planck's law, seen through Gaussian fits of the CIE 1931 observer [WymanSloanShirley13]."""
+
+    def gauss(x, mean, below, above):
+        return math.exp(-0.5 * ((x - mean) / (below if x < mean else above)) ** 2)
+
+    xyz = [0.0, 0.0, 0.0]
+    for nm in range(380, 781, 5):
+        power = 1e16 / (nm**5 * (math.expm1(1.4388e7 / (nm * max(kelvin, 200.0)))))
+        xyz[0] += power * (1.056 * gauss(nm, 599.8, 37.9, 31.0) + 0.362 * gauss(nm, 442.0, 16.0, 26.7) - 0.065 * gauss(nm, 501.1, 20.4, 26.2))
+        xyz[1] += power * (0.821 * gauss(nm, 568.8, 46.9, 40.5) + 0.286 * gauss(nm, 530.9, 16.3, 31.1))
+        xyz[2] += power * (1.217 * gauss(nm, 437.0, 11.8, 36.0) + 0.681 * gauss(nm, 459.0, 26.0, 13.8))
+    x, y, z = (value / xyz[1] for value in xyz)
+    rgb = (3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z, 0.0557 * x - 0.2040 * y + 1.0570 * z)
+    return tuple(max(0.0, c) for c in rgb)
+
+
+def checker(graph, node, output):
+    """A square of colour 2 lies at the origin of the plane. Latent has no cubes here."""
+    first, second, scale = (graph.value(socket) for socket in list(node.inputs)[1:4])
+    if output.name != "Color":
+        first, second = WHITE, BLACK
+    if not is_constant(scale):
+        raise Unknown("Checker with a picture as its scale")
+    mapping = graph.places.relative(graph, node.inputs["Vector"], scale.number())
+    if graph.places.source[0] != "uv":
+        raise Unknown("Checker of space (give it a UV map)")
+    return Pattern("checkerboard", mapping, {"tex1": second, "tex2": first})
+
+
+def image(graph, node, output):
+    return pictures.picture(graph, node, output, Picture, Unknown)
+
+
+def vertex_color(graph, node, output):
+    graph.places.need_color(node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name)
+    return Pattern("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {}, {})
+
+
+def attribute(graph, node, output):
+    if node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor"):
+        raise Unknown(f"Attribute {node.attribute_name}")
+    return vertex_color(graph, node, output)
+
+
+def fresnel(graph, node, _):
+    graph.lost("Fresnel is the value seen from the front")
+    ior = graph.number(node, "IOR")
+    return constant(((ior - 1) / (ior + 1)) ** 2)
+
+
+def layer_weight(graph, node, output):
+    graph.lost("Layer Weight is the value seen from the front")
+    blend = min(graph.number(node, "Blend"), 0.999)
+    eta = 1 / (1 - blend) if blend < 1 else 1e5
+    return constant(((eta - 1) / (eta + 1)) ** 2 if output.name == "Fresnel" else 0.0)
+
+
+def gamma(graph, node, _):
+    return arithmetic(lambda c, g: max(0.0, c) ** g, graph.of(node, "Color"), graph.of(node, "Gamma"))
+
+
+def clamp(graph, node, _):
+    value = graph.of(node, "Value")
+    return value if not is_constant(value) else arithmetic(lambda v, a, b: min(max(v, a), b), value, graph.of(node, "Min"), graph.of(node, "Max"))
+
+
+VALUES = {
+    "RGB": lambda graph, node, output: default(output),
+    "VALUE": lambda graph, node, output: default(output),
+    "MIX": mix_rgb,
+    "MIX_RGB": mix_rgb,
+    "MATH": math_node,
+    "VALTORGB": ramp,
+    "INVERT": invert,
+    "GAMMA": gamma,
+    "CLAMP": clamp,
+    "RGBTOBW": lambda graph, node, output: graph.of(node, "Color"),
+    "BLACKBODY": blackbody,
+    "TEX_CHECKER": checker,
+    "TEX_IMAGE": image,
+    "VERTEX_COLOR": vertex_color,
+    "ATTRIBUTE": attribute,
+    "FRESNEL": fresnel,
+    "LAYER_WEIGHT": layer_weight,
+}

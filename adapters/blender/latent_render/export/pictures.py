@@ -1,0 +1,189 @@
+"""Image textures: their files, and where they lie on a surface."""
+import hashlib
+import os
+import struct
+import zlib
+
+import numpy as np
+
+ENCODINGS = {"sRGB": "sRGB", "Non-Color": "linear", "Raw": "linear", "Generic Data": "linear", "Linear": "linear", "Linear Rec.709": "linear"}
+WRAPS = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black"}
+EXTENSIONS = {"PNG": ".png", "JPEG": ".jpg", "OPEN_EXR": ".exr", "OPEN_EXR_MULTILAYER": ".exr", "HDR": ".hdr", "TIFF": ".tif", "TARGA": ".tga",
+              "TARGA_RAW": ".tga", "BMP": ".bmp", "WEBP": ".webp"}
+
+
+class Files:
+    """The pictures of a job. Those that lie on the disk stay there; packed and generated ones become files in `folder`."""
+
+    def __init__(self, folder):
+        self.folder, self.known, self.wanted = folder, {}, []
+        self.contents = {}  # of files of others, which may change under their names
+
+    def baked(self, graph, node, output, make):
+        """What Cycles has baked of a node, if it has; otherwise, it may be wanted."""
+        from .. import baking
+
+        if graph.groups or graph.material is None:
+            return None
+        path = baking.path_of(self.folder, graph.material, node.name, output.identifier)
+        if not os.path.exists(path):
+            self.wanted.append((graph.material.name, node.name, output.identifier))
+            return None
+        place = graph.places.moved(("uv", ""), np.eye(4))
+        return make({"string filename": path, **place})
+
+    def path(self, image, unknown):
+        import bpy
+
+        if image.source in ("TILED", "MOVIE", "SEQUENCE"):
+            raise unknown(f"image {image.name} ({image.source.lower()})")
+        disk = bpy.path.abspath(image.filepath, library=image.library) if image.filepath else ""
+        if image.source == "FILE" and not image.packed_file and not image.is_dirty:
+            if not os.path.isfile(disk):
+                raise unknown(f"image {image.name}, whose file is missing")
+            disk = os.path.realpath(disk)
+            if disk not in self.contents:
+                with open(disk, "rb") as file:
+                    self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
+            return disk
+        if image.name_full not in self.known:
+            os.makedirs(self.folder, exist_ok=True)
+            self.known[image.name_full] = self.packed(image) if image.packed_file and not image.is_dirty else self.drawn(image, unknown)
+        return self.known[image.name_full]
+
+    def packed(self, image):
+        data = bytes(image.packed_file.data)
+        path = os.path.join(self.folder, hashlib.blake2b(data, digest_size=12).hexdigest() + EXTENSIONS.get(image.file_format, ".png"))
+        with open(path, "wb") as file:
+            file.write(data)
+        return path
+
+    def drawn(self, image, unknown):
+        if not image.has_data and not image.pixels:
+            raise unknown(f"image {image.name}, which is empty")
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        digest = hashlib.blake2b(pixels.data, digest_size=12).hexdigest()
+        path = os.path.join(self.folder, digest + (".pfm" if image.is_float else ".png"))
+        rows = pixels.reshape(image.size[1], image.size[0], -1)
+        with open(path, "wb") as file:
+            file.write(pfm(rows) if image.is_float else png(rows))
+        return path
+
+
+# Blender's own writers encode colours, and change its data while it renders.
+
+
+def pfm(rows):
+    """Values as they are. Rows run upwards, as Blender's."""
+    rgb = np.repeat(rows, 3, 2) if rows.shape[2] == 1 else rows[..., :3]
+    return b"PF\n%d %d\n-1.0\n" % (rows.shape[1], rows.shape[0]) + np.ascontiguousarray(rgb, "<f4").tobytes()
+
+
+def png(rows):
+    """Values from 0 to 1 as bytes, with alpha if there is any."""
+    height, width, channels = rows.shape
+    kinds = {1: 0, 3: 2, 4: 6}
+    if channels == 4 and rows[..., 3].min() == 1:
+        rows, channels = rows[..., :3], 3
+    lines = np.zeros((height, 1 + width * channels), np.uint8)
+    lines[:, 1:] = np.round(255 * np.clip(rows[::-1], 0, 1)).astype(np.uint8).reshape(height, -1)
+
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, kinds[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b"")
+
+
+def picture(graph, node, output, make, unknown):
+    image = node.image
+    if image is None:
+        raise unknown("an Image Texture without an image")
+    if node.projection != "FLAT":
+        raise unknown(f"an Image Texture with {node.projection.lower()} projection")
+    parameters = {"string filename": graph.files.path(image, unknown), **graph.places.relative(graph, node.inputs["Vector"], 1.0)}
+    parameters.pop("integer dimension", None)
+    space = image.colorspace_settings.name
+    if space not in ENCODINGS:
+        graph.lost(f"image {image.name}: its colour space {space} is read as {'linear' if image.is_float else 'sRGB'}")
+    if not image.is_float:
+        parameters["string encoding"] = ENCODINGS.get(space, "sRGB")
+    if node.extension not in WRAPS:
+        graph.lost(f"image {image.name}: extension {node.extension.lower()} is repeat")
+    parameters["string wrap"] = WRAPS.get(node.extension, "repeat")
+    parameters["string filter"] = "point" if node.interpolation == "Closest" else "bilinear"
+    return make(parameters, output.name == "Color")
+
+
+class Places:
+    """Where the pictures of one material lie. The first one decides which coordinates the mesh gets: a UV map or others, times a matrix.
+    The others may be shifted and scaled relative to it, for pbrt can say that, and no more."""
+
+    def __init__(self, unknown):
+        self.unknown = unknown
+        self.source, self.matrix, self.color = None, None, None
+
+    def need_color(self, name):
+        if self.color not in (None, name):
+            raise self.unknown(f"colour attribute {name} beside {self.color}")
+        self.color = name
+
+    def relative(self, graph, socket, scale):
+        """Parameters of a mapping: those of coordinates times `scale`."""
+        source, matrix = self.coordinates(graph, socket)
+        return self.moved(source, np.diag([scale, scale, scale, 1.0]) @ matrix)
+
+    def moved(self, source, matrix):
+        if self.source is None:
+            self.source, self.matrix = source, matrix
+        if source != self.source:
+            raise self.unknown("a texture with other coordinates than the first one of the material")
+        flat = lambda m: m[np.ix_([0, 1, 3], [0, 1, 3])]  # noqa: E731  from u and v to u and v
+        if source[0] != "uv" and not np.allclose(matrix, self.matrix):
+            raise self.unknown("a second texture that is mapped otherwise")
+        if source[0] != "uv":
+            return {}
+        change = flat(matrix) @ np.linalg.inv(flat(self.matrix)) if abs(np.linalg.det(flat(self.matrix))) > 1e-12 else np.eye(3)
+        if abs(change[0, 1]) > 1e-6 or abs(change[1, 0]) > 1e-6:
+            raise self.unknown("a texture that is rotated relative to the first one of the material")
+        wanted = {"float uscale": change[0, 0], "float vscale": change[1, 1], "float udelta": change[0, 2], "float vdelta": change[1, 2]}
+        return {key: float(number) for key, number in wanted.items() if abs(number - ("scale" in key)) > 1e-9}
+
+    def coordinates(self, graph, socket):
+        """("uv", name of the map or ""), ("generated",) or ("object",), and the matrix of Mapping nodes on the way."""
+
+        def linked(node, output):
+            if node.type == "MAPPING":
+                source, matrix = self.coordinates(graph, node.inputs["Vector"])
+                return source, mapping(graph, node, self.unknown) @ matrix
+            if node.type == "UVMAP":
+                return ("uv", node.uv_map), np.eye(4)
+            if node.type == "TEX_COORD" and output.name in ("UV", "Generated", "Object") and not (output.name == "Object" and node.object):
+                return {"UV": ("uv", ""), "Generated": ("generated",), "Object": ("object",)}[output.name], np.eye(4)
+            if node.type == "ATTRIBUTE":
+                return ("uv", node.attribute_name), np.eye(4)
+            raise self.unknown(f"texture coordinates of {node.bl_label} ({output.name})")
+
+        is_picture = socket.node.type == "TEX_IMAGE"
+        return graph.follow(socket, linked, lambda _: (("uv", "") if is_picture else ("generated",), np.eye(4)))
+
+
+def mapping(graph, node, unknown):
+    """The matrix of a Mapping node."""
+    from mathutils import Euler, Matrix
+
+    def vector(name):
+        socket = node.inputs.get(name)
+        if socket is None:
+            return (0.0, 0.0, 0.0)
+        if socket.is_linked:
+            raise unknown(f"Mapping with a linked {name}")
+        return tuple(socket.default_value)
+
+    location, scale = Matrix.Translation(vector("Location")), Matrix.Diagonal((*vector("Scale"), 1.0))
+    turn = Euler(vector("Rotation")).to_matrix().to_4x4()
+    kinds = {"POINT": lambda: location @ turn @ scale, "TEXTURE": lambda: (location @ turn @ scale).inverted_safe(), "VECTOR": lambda: turn @ scale}
+    if node.vector_type not in kinds:
+        raise unknown("Mapping of normals")
+    return np.array(kinds[node.vector_type]())

@@ -1,0 +1,50 @@
+"""Meshes as binary PLY files, named by their content. Needs numpy, which Blender has, but no Blender."""
+import hashlib
+import os
+
+import numpy as np
+
+
+def shared(columns):
+    """Corners of equal values become one vertex. `columns`: arrays of one row for each corner.
+    Returns the corner that stands for each vertex, and the vertex of each corner."""
+    keys = [np.ascontiguousarray(column).reshape(len(column), -1) for column in columns]
+    # Bytes as integers: exact, and quick to compare. Minus zero counts as zero.
+    words = np.concatenate([(key + 0.0).astype("<f4").view("<u4") if key.dtype.kind == "f" else key.astype("<u4") for key in keys], 1)
+    order = np.lexsort(words.T[::-1])
+    ranked = words[order]
+    first = np.ones(len(order), bool)
+    first[1:] = (ranked[1:] != ranked[:-1]).any(1)
+    vertex = np.empty(len(order), np.int32)
+    vertex[order] = np.cumsum(first, dtype=np.int32) - 1
+    return order[first], vertex
+
+
+def encode(positions, triangles, normals=None, uvs=None, colors=None):
+    """The bytes of a file, in pieces. One row for each vertex; triangles hold three numbers of vertices."""
+    columns = [("x y z", positions), ("nx ny nz", normals), ("u v", uvs), ("red green blue", colors)]
+    fields = [(name, data[:, i]) for names, data in columns if data is not None for i, name in enumerate(names.split())]
+    vertices = np.empty(len(positions), [(name, "<f4") for name, _ in fields])
+    for name, data in fields:
+        vertices[name] = data
+    faces = np.empty(len(triangles), [("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, triangles
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}", *(f"property float {name}" for name, _ in fields),
+            f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    return ["\n".join(head).encode(), vertices.data.cast("B") if len(vertices) else b"", faces.data.cast("B") if len(faces) else b""]
+
+
+def store(pieces, folder, suffix):
+    """Writes `pieces` to a file in `folder` that their content names, unless it is there: returns its name."""
+    digest = hashlib.blake2b(digest_size=12)
+    for piece in pieces:
+        digest.update(piece)
+    name = digest.hexdigest() + suffix
+    path = os.path.join(folder, name)
+    if not os.path.exists(path):
+        os.makedirs(folder, exist_ok=True)
+        with open(path + ".unfinished", "wb") as file:
+            for piece in pieces:
+                file.write(piece)
+        os.replace(path + ".unfinished", path)
+    return name

@@ -1,0 +1,13 @@
+"""What Latent cannot say of a scene, for the panel and the report."""
+
+
+class Report:
+    def __init__(self):
+        self.lines = {}
+
+    def lost(self, owner, what):
+        """`owner`: such as "material Wood". Each line appears once."""
+        self.lines.setdefault(f"{owner}: {what}", None)
+
+    def text(self):
+        return list(self.lines)

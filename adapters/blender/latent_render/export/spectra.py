@@ -1,0 +1,73 @@
+"""Spectra that the panel chooses: metals and glasses by name, dispersion, lamps, measured reflectances."""
+import csv
+
+METALS = ["Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"]
+GLASSES = ["BK7", "BAF10", "FK51A", "LASF9", "SF5", "SF10", "SF11"]
+LAMPS = [("stdillum-A", "Incandescent (A)"), ("stdillum-D50", "Daylight D50"), ("stdillum-D65", "Daylight D65"),
+         *((f"stdillum-F{i}", f"Fluorescent F{i}") for i in range(1, 13))]
+D_NM, F_NM, C_NM = 587.6, 486.1, 656.3  # the lines of an Abbe number
+
+
+def metal(settings):
+    """Measured n and k, if the panel names a metal."""
+    if settings.metal == "NONE":
+        return {}
+    return {"spectrum eta": f"metal-{settings.metal}-eta", "spectrum k": f"metal-{settings.metal}-k"}
+
+
+def cauchy(ior, abbe):
+    """n = a + b / lambda^2, by the index at 587.6 nm and the Abbe number (n_d - 1) / (n_F - n_C): wavelengths and indices in turn."""
+    b = (ior - 1) / (abbe * (F_NM**-2 - C_NM**-2))
+    a = ior - b * D_NM**-2
+    return [number for nm in range(360, 831, 10) for number in (float(nm), a + b / nm**2)]
+
+
+def index(settings, ior):
+    if settings.glass != "NONE":
+        return {"spectrum eta": f"glass-{settings.glass}"}
+    if settings.abbe > 0:
+        return {"spectrum eta": cauchy(ior, settings.abbe)}
+    return {"float eta": float(ior)}
+
+
+def table(path):
+    """Wavelengths in nm and values of a CSV, in turn. Lines that are no numbers are headings."""
+    pairs = []
+    with open(path, newline="") as file:
+        for row in csv.reader(file):
+            try:
+                pairs.append((float(row[0]), float(row[1])))
+            except (ValueError, IndexError):
+                continue
+    pairs.sort()
+    return [number for pair in pairs for number in pair]
+
+
+def reflectance(settings, kind, parameters):
+    """Replaces the colour of a material by a measured one."""
+    import bpy
+
+    if not settings.reflectance:
+        return {}
+    name = {"diffuse": "reflectance", "latent:principled": "color", "conductor": "reflectance"}.get(kind)
+    if name is None:
+        return {}
+    for key in [key for key in parameters if key.split()[1] in (name, "eta", "k") and (kind == "conductor" or key.split()[1] == name)]:
+        parameters.pop(key)
+    return {f"spectrum {name}": table(bpy.path.abspath(settings.reflectance))}
+
+
+def lamp(settings, key, color):
+    """The spectrum of a lamp, and the factor to its scale: with a spectrum, the luminance of its colour counts."""
+    from .nodes import LUMINANCE
+
+    luminance = sum(c * w for c, w in zip(color, LUMINANCE))
+    if settings.spectrum == "COLOR":
+        return {f"rgb {key}": [float(c) for c in color]}, 1.0
+    if settings.spectrum == "DAYLIGHT":
+        return {f"latent:daylight {key}": float(min(25000, max(4000, settings.kelvin)))}, luminance
+    if settings.spectrum == "BLACKBODY":
+        return {f"blackbody {key}": float(settings.kelvin)}, luminance
+    if settings.spectrum == "SODIUM":
+        return {f"spectrum {key}": [588.0, 0.0, 589.0, 1.0, 589.6, 1.0, 590.6, 0.0]}, luminance
+    return {f"spectrum {key}": settings.spectrum}, luminance

@@ -1,0 +1,86 @@
+"""The world: a colour, a picture in longitude and latitude, or anything else, which Cycles bakes to such a picture."""
+
+
+import numpy as np
+
+from .nodes import Graph, Unknown, is_constant
+from .pbrt import directive, matrix
+from .pictures import ENCODINGS, mapping
+
+# Blender's longitude runs the other way round, and begins at the other side, than pbrt's.
+FLIPPED = np.diag([-1.0, 1.0, 1.0, 1.0])
+
+
+def export(world, files, portals, report, bake):
+    """Directives. `bake(world)`: the path of a picture of it."""
+    if world is None:
+        return []
+    lost = lambda what: report.lost(f"world {world.name}", what)  # noqa: E731
+    common = {"string name": "World"}
+    if not world.node_tree or not getattr(world, "use_nodes", True):
+        return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals, common)
+    graph = Graph(world.node_tree, lost)
+    output = next((node for node in world.node_tree.nodes if node.type == "OUTPUT_WORLD" and node.is_active_output), None)
+    if output is None:
+        return []
+    if output.inputs["Volume"].is_linked:
+        lost("the volume of a world is left out")
+    found = graph.source(output.inputs["Surface"])
+    if not found:
+        return []
+    try:
+        return simple(found[0], graph, files, portals, common)
+    except Unknown:
+        if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in world.node_tree.nodes):
+            lost("the sun of its Sky Texture is as coarse as the baked picture; a Sun lamp is exact")
+        path = bake(world)
+        if path is None:
+            lost("is black, for its nodes could not be baked")
+            return []
+        return lights(["string filename", path], 1.0, FLIPPED, portals, common)
+
+
+def simple(node, graph, files, portals, common):
+    """A Background of a colour or a picture; raises Unknown otherwise."""
+    if node.type != "BACKGROUND" or node.inputs["Strength"].is_linked:
+        raise Unknown("world")
+    strength = node.inputs["Strength"].default_value
+    found = graph.source(node.inputs["Color"])
+    if found is None or found[0].type in ("RGB", "BLACKBODY"):
+        color = graph.of(node, "Color")
+        if strength <= 0 or max(color.rgb) <= 0 or not is_constant(color):
+            return []
+        return lights(["rgb L", list(color.rgb)], strength, np.eye(4), portals, common)
+    picture = found[0]
+    image = getattr(picture, "image", None)
+    if picture.type != "TEX_ENVIRONMENT" or picture.projection != "EQUIRECTANGULAR" or image is None or image.size[0] != 2 * image.size[1]:
+        raise Unknown("world")
+    if image.colorspace_settings.name not in ENCODINGS or (not image.is_float and ENCODINGS[image.colorspace_settings.name] != "sRGB"):
+        raise Unknown("world")
+    turn = np.eye(4)
+    if picture.inputs["Vector"].is_linked:
+        source = graph.source(picture.inputs["Vector"])
+        if not source or source[0].type != "MAPPING":
+            if not source or source[0].type != "TEX_COORD" or source[1].name != "Generated":
+                raise Unknown("world")
+        else:
+            inner = graph.source(source[0].inputs["Vector"])
+            if not inner or inner[0].type != "TEX_COORD" or inner[1].name != "Generated":
+                raise Unknown("world")
+            turn = mapping(graph, source[0], Unknown)
+            turn[:3, 3] = 0
+            if not np.allclose(turn[:3, :3] @ turn[:3, :3].T, np.eye(3), atol=1e-5):
+                raise Unknown("world")
+    return lights(["string filename", files.path(image, Unknown)], strength, np.linalg.inv(turn) @ FLIPPED, portals, common)
+
+
+def lights(spectrum, scale, place, portals, common):
+    """One light, or one for each portal."""
+    parameters = {spectrum[0]: spectrum[1], "float scale": float(scale), **common}
+    lines = ["AttributeBegin", matrix(place)]
+    for corners in portals or [None]:
+        through = {"point3 portal": [float(c) for corner in corners for c in corner]} if corners else {}
+        lines.append(directive("LightSource", "infinite", **parameters, **through))
+    return [*lines, "AttributeEnd"]
+
+

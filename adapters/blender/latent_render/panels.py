@@ -1,0 +1,128 @@
+"""Panels, and those of Blender that apply to this engine, too."""
+import bpy
+
+from . import engine
+
+# Panels of other engines that set what is exported.
+SHARED = {"EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "DATA_PT_spot", "EEVEE_MATERIAL_PT_context_material",
+          "EEVEE_NEXT_MATERIAL_PT_surface", "CYCLES_OBJECT_PT_motion_blur"}
+UNUSED = {"RENDER_PT_simplify_greasepencil", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
+
+
+def shared_panels():
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", None)
+        if engines is not None and panel.__name__ not in UNUSED and ("BLENDER_RENDER" in engines or panel.__name__ in SHARED):
+            yield panel
+
+
+class LatentPanel:
+    bl_space_type, bl_region_type = "PROPERTIES", "WINDOW"
+    COMPAT_ENGINES = {"LATENT"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "LATENT"
+
+
+class LATENT_PT_samples(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Samples", "render"
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.latent
+        layout.use_property_split = True
+        for name in ("samples", "integrator", "max_depth", "record", "light_groups"):
+            layout.prop(settings, name)
+        if engine.last["word"]:
+            layout.label(text=engine.last["word"], icon="INFO")
+
+
+class LATENT_PT_job(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context, bl_options = "Job", "render", {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.latent
+        layout.use_property_split = True
+        for name in ("folder", "seed", "portals", "keep_time", "render_options", "develop_options"):
+            layout.prop(settings, name)
+
+
+class LATENT_PT_lost(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Not exported", "render"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "LATENT" and bool(engine.last["lost"])
+
+    def draw(self, _):
+        for line in engine.last["lost"]:
+            self.layout.label(text=line, icon="ERROR")
+        if engine.last["wanted"]:
+            self.layout.operator("latent.bake")
+
+
+class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Darkroom", "render"
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.latent.darkroom
+        layout.use_property_split = True
+        for name in ("observer", "film", "paper", "stops", "noise", "aperture", "shutter"):
+            layout.prop(settings, name)
+        for light in settings.mix:
+            row = layout.row(align=True)
+            row.prop(light, "factor", text=light.name)
+            row.prop(light, "change", text="")
+        row = layout.row()
+        row.operator("latent.light_mix")
+        row.operator("latent.develop")
+        layout.operator("latent.darkroom")
+
+
+class LATENT_PT_farm(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context, bl_options = "Farm", "render", {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.prop(context.scene.latent, "farm_folder")
+        row = self.layout.row()
+        row.operator("latent.farm", text="Plan this frame").animation = False
+        row.operator("latent.farm", text="Plan all frames").animation = True
+
+
+class LATENT_PT_passes(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Passes", "view_layer"
+
+    def draw(self, context):
+        self.layout.column().prop(context.scene.latent, "layers")
+
+
+class LATENT_PT_material(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Spectra", "material"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "LATENT" and context.material is not None
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in ("metal", "glass", "abbe", "reflectance"):
+            self.layout.prop(context.material.latent, name)
+
+
+class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context = "Spectrum", "data"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "LATENT" and context.light is not None
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        settings = context.light.latent
+        self.layout.prop(settings, "spectrum")
+        if settings.spectrum in ("DAYLIGHT", "BLACKBODY"):
+            self.layout.prop(settings, "kelvin")
+        self.layout.prop(settings, "visible")
+
+
+CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)

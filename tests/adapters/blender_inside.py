@@ -1,0 +1,197 @@
+"""Run by blender_test.py inside Blender: ZIP FOLDER SOURCES. Installs the add-on from the zip into a fresh profile, and renders with it."""
+import importlib
+import pathlib
+import sys
+
+import bpy
+import numpy as np
+
+archive, folder, sources = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+folder = pathlib.Path(folder)
+
+bpy.ops.preferences.addon_install(filepath=archive)
+bpy.ops.preferences.addon_enable(module="latent_render")
+addon = importlib.import_module("latent_render")
+assert "profile" in addon.__file__, addon.__file__
+engine = importlib.import_module("latent_render.engine")
+panels = importlib.import_module("latent_render.panels")
+
+
+def check(what, holds, *facts):
+    if not holds:
+        raise SystemExit(f"FAILED: {what}: {facts}")
+    print(f"ok: {what}", flush=True)
+
+
+# A matt floor under a lamp and an even sky.
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.preferences.addon_enable(module="latent_render")
+scene = bpy.context.scene
+scene.render.engine = "LATENT"
+scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 40, 30, 100
+image = scene.render.image_settings
+if hasattr(image, "media_type"):
+    image.media_type = "IMAGE"
+image.file_format, image.color_depth, image.color_mode, image.exr_codec = "OPEN_EXR", "32", "RGB", "NONE"
+scene.render.filepath = str(folder / "picture.exr")
+settings = scene.latent
+settings.folder, settings.samples, settings.light_groups, settings.layers = str(folder / "job"), 16, "LAMPS", {"DEPTH", "NORMAL", "VARIANCE"}
+bpy.ops.mesh.primitive_plane_add(size=40)
+floor = bpy.data.materials.new("floor")
+floor.use_nodes = True
+tree = floor.node_tree
+tree.nodes.clear()
+output, matt = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfDiffuse")
+matt.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1)
+tree.links.new(matt.outputs[0], output.inputs["Surface"])
+bpy.context.object.data.materials.append(floor)
+bpy.ops.object.light_add(type="SUN")
+sun = bpy.context.object
+sun.name, sun.data.energy, sun.data.angle = "Sun", 2.0, 0.0
+bpy.ops.object.camera_add(location=(0, 0, 5))
+scene.camera = bpy.context.object
+world = scene.world = bpy.data.worlds.new("world")
+world.use_nodes = True
+world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.4, 0.6, 1)
+world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.5
+
+
+def picture():
+    loaded = bpy.data.images.load(scene.render.filepath, check_existing=False)
+    values = np.empty(len(loaded.pixels), np.float32)
+    loaded.pixels.foreach_get(values)
+    channels = loaded.channels
+    bpy.data.images.remove(loaded)
+    return values.reshape(30, 40, channels)[..., :3]
+
+
+def render():
+    bpy.ops.render.render(write_still=True)
+    return engine.last["word"]
+
+
+def count():
+    report, _ = engine.tools.run([engine.program("latent-inspect"), "info", engine.last["samples"], "--json"])
+    return report["sample_count"]
+
+
+# E = pi L + sun; reflected: rho E / pi. Neither lamp has noise on a floor that nothing shades.
+word = render()
+expected = 0.5 * (np.array([0.1, 0.2, 0.3]) + 2.0 / np.pi)
+check("the light on a floor is that of Blender's units", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), picture().mean((0, 1)), expected)
+check("the first render is a new job", word == "new job", word)
+check("its samples are there", count() == 16 * 1200, count())
+check("nothing was lost", engine.last["lost"] == [], engine.last["lost"])
+first = engine.last["samples"]
+check("the same scene renders nothing again", "the same job" in render() and engine.last["samples"] == first)
+settings.samples = 24
+check("more samples extend the job", "the same job" in render() and engine.last["samples"] == first and count() == 24 * 1200, engine.last)
+sun.data.color = (1, 0.2, 0.1)
+word = render()
+check("another colour of a lamp is a new job, with a word about it", "new job: lamp Sun changed" in word and engine.last["samples"] != first and pathlib.Path(first).exists(), word)
+sun.data.color = (1, 1, 1)
+check("and back", "back to an earlier job" in render() and engine.last["samples"] == first, engine.last)
+
+# Cancelled, and resumed.
+settings.samples, settings.seed = 100000, 7
+asked = []
+stopped, engine.LatentEngine.stopped = engine.LatentEngine.stopped, lambda self: asked.append(1) or len(asked) > 5
+render()
+part = engine.last["samples"]
+left = [path.name for path in pathlib.Path(part).parent.iterdir() if pathlib.Path(part).name in path.name]
+check("a cancelled render keeps its part, and shows it", left and not pathlib.Path(part).exists(), left)
+engine.LatentEngine.stopped = stopped
+settings.samples = 64
+render()
+check("and resumes", pathlib.Path(part).exists() and engine.last["samples"] == part and count() >= 64 * 1200, left)
+settings.seed = 0
+
+# What Latent cannot say is listed.
+noise = tree.nodes.new("ShaderNodeTexNoise")
+tree.links.new(noise.outputs["Color"], matt.inputs["Color"])
+render()
+check("what is not exported is listed", any("material floor" in line and "Noise" in line for line in engine.last["lost"]), engine.last["lost"])
+before = picture()
+bpy.ops.latent.bake()
+render()
+check("and can be baked", engine.last["lost"] == [] and np.ptp(picture()) > 2 * np.ptp(before), engine.last["lost"], np.ptp(before), np.ptp(picture()))
+tree.nodes.remove(noise)
+
+# The darkroom: without the sun, only the sky is left; twice the sky is twice as bright.
+render()
+bpy.ops.latent.light_mix()
+mix = settings.darkroom.mix
+check("the darkroom lists the lights", {"Sun", "World"} <= {light.name for light in mix}, [light.name for light in mix])
+mix["Sun"].factor, mix["World"].factor, settings.darkroom.stops = 0, 2, 1
+bpy.ops.latent.develop()
+shown = bpy.data.images["Latent Darkroom"]
+values = np.empty(len(shown.pixels), np.float32)
+shown.pixels.foreach_get(values)
+values = values.reshape(30, 40, 4)[..., :3].mean((0, 1))
+check("and mixes them without a render", np.allclose(values, 2 * 2 * 0.5 * np.array([0.1, 0.2, 0.3]), rtol=5e-3), values)
+settings.darkroom.film = "portra-400"
+bpy.ops.latent.develop()
+check("and prints on film", tuple(bpy.data.images["Latent Darkroom"].size) == (40, 30))
+
+# A plan for a farm, of two frames.
+settings.farm_folder, scene.frame_end = str(folder / "farm"), 2
+bpy.ops.latent.farm(animation=True)
+check("a farm is planned", (folder / "farm").is_dir() and (folder / "job/frame-0002.pbrt").exists(), list(folder.iterdir()))
+
+# A tool that is missing is one line, and no picture.
+find, engine.tools.find = engine.tools.find, lambda name, folder="": (_ for _ in ()).throw(engine.tools.Failure(f"{name} is not on the PATH"))
+try:
+    bpy.ops.render.render()
+    said = ""
+except RuntimeError as failure:
+    said = str(failure)
+engine.tools.find = find
+check("a missing program is an error", "latent-render is not on the PATH" in said, said)
+
+
+
+class Layout:
+    """Takes what a panel draws, and looks whether its properties and operators are there."""
+
+    def __init__(self):
+        self.count = 0
+
+    def prop(self, data, name, **_):
+        assert name in data.bl_rna.properties, name
+        self.count += 1
+
+    def operator(self, name, **_):
+        room, word = name.split(".")
+        assert hasattr(getattr(bpy.ops, room), word) and hasattr(bpy.types, f"{room.upper()}_OT_{word}"), name
+        self.count += 1
+        return self
+
+    def label(self, **_):
+        self.count += 1
+
+    def row(self, **_):
+        return self
+
+    column = row
+
+
+class Context:
+    scene, engine, material, light = scene, "LATENT", floor, sun.data
+
+
+engine.last.update(lost=["material floor: something"], wanted=[("floor", "node", "Color")])
+for panel in panels.CLASSES:
+    layout = Layout()
+    holder = type("Holder", (), {"layout": layout})()
+    panel.draw(holder, Context)
+    check(f"panel {panel.bl_label} shows what there is", panel.poll(Context) and layout.count > 0, layout.count)
+
+check("panels of Blender apply", any("LATENT" in getattr(panel, "COMPAT_ENGINES", ()) for panel in panels.shared_panels()))
+scene.render.engine = "CYCLES"
+bpy.ops.preferences.addon_disable(module="latent_render")
+kinds = (bpy.types.Panel, bpy.types.Operator, bpy.types.PropertyGroup, bpy.types.RenderEngine, bpy.types.AddonPreferences)
+left = [made.__name__ for kind in kinds for made in kind.__subclasses__() if made.__module__.startswith("latent_render") and "bl_rna" in vars(made)]
+left += [f"{owner.__name__}.latent" for owner in (bpy.types.Scene, bpy.types.Material, bpy.types.Light) if hasattr(owner, "latent")]
+left += [panel.__name__ for panel in bpy.types.Panel.__subclasses__() if "LATENT" in getattr(panel, "COMPAT_ENGINES", ()) and not panel.__module__.startswith("latent_render")]
+check("unregistering leaves nothing", left == [], left)
+print("all passed")

@@ -1,0 +1,246 @@
+"""The parts of the add-on for Blender that need no Blender: blender_parts_test.py ADDON TOOLS"""
+import importlib
+import pathlib
+import subprocess
+import sys
+import tempfile
+import types
+import unittest
+
+import numpy as np
+
+ADDON, TOOLS = map(pathlib.Path, sys.argv[1:3])
+sys.dont_write_bytecode = True
+
+
+def part(name):
+    """A module of the package, whose __init__ is for Blender."""
+    for package, folder in (("latent_render", ADDON), ("latent_render.export", ADDON / "export")):
+        if package not in sys.modules:
+            sys.modules[package] = types.ModuleType(package)
+            sys.modules[package].__path__ = [str(folder)]
+    return importlib.import_module(f"latent_render.{name}")
+
+
+pbrt, ply, exr, tools, job, develop = (part(name) for name in ("export.pbrt", "export.ply", "exr", "tools", "job", "develop"))
+nodes, spectra, curves = part("export.nodes"), part("export.spectra"), part("export.curves")
+
+
+def tool(name, *words):
+    return subprocess.run([TOOLS / f"latent-{name}", *map(str, words)], check=True, capture_output=True, text=True).stdout
+
+
+class Text(unittest.TestCase):
+    def test_a_directive_has_typed_parameters(self):
+        self.assertEqual(pbrt.directive("Shape", "disk", **{"float radius": 0.5, "bool x": True, "rgb L": [1.0, 2.0, 0.25]}),
+                         'Shape "disk" "float radius" 0.5 "bool x" true "rgb L" [ 1 2 0.25 ]')
+
+    def test_a_name_cannot_end_its_string(self):
+        self.assertEqual(pbrt.quoted('a"b\\c\nd'), "\"a'b/c d\"")
+
+    def test_matrices_are_stored_by_columns(self):
+        rows = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [0, 0, 0, 1]]
+        self.assertEqual(pbrt.matrix(rows), "Transform [ 1 5 9 0 2 6 10 0 3 7 11 0 4 8 12 1 ]")
+
+    def test_equal_definitions_have_one_name_and_others_another(self):
+        document = pbrt.Document()
+        one, other = document.material("diffuse", {"float x": 1.0}), document.material("diffuse", {"float x": 2.0})
+        self.assertNotEqual(one, other)
+        self.assertEqual(document.material("diffuse", {"float x": 1.0}), one)
+        self.assertEqual(len(document.definitions), 2)
+
+
+class Meshes(unittest.TestCase):
+    def test_corners_are_shared_only_where_all_is_equal(self):
+        vertex, uv = np.array([0, 1, 2, 0, 1, 2], np.uint32), np.array([[0, 0], [1, 0], [0, 1], [0, 0], [1, 0.5], [-0.0, 1]], np.float32)
+        stands, of_corner = ply.shared([vertex, uv])
+        self.assertEqual(len(stands), 4)
+        np.testing.assert_array_equal(vertex[stands][of_corner], vertex)
+        np.testing.assert_array_equal(uv[stands][of_corner], uv)
+
+    def test_the_renderer_reads_what_is_written(self):
+        """A floor of two triangles with colours, in a scene of its own."""
+        points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+        pieces = ply.encode(points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile(np.float32([0, 0, 1]), (4, 1)), points[:, :2],
+                            np.tile(np.float32([0.5, 0.5, 0.5]), (4, 1)))
+        with tempfile.TemporaryDirectory() as folder:
+            name = ply.store(pieces, folder, ".ply")
+            self.assertEqual(ply.store(pieces, folder, ".ply"), name)
+            document = pbrt.Document()
+            document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 4, "integer yresolution": 4}), "Scale 1 1 -1",
+                             pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-0.5, 0.5, -0.5, 0.5]})]
+            color = document.texture("spectrum", "latent:vertexcolor", {})
+            made = document.material("diffuse", {"texture reflectance": color})
+            document.body = [pbrt.directive("LightSource", "infinite", **{"rgb L": [1.0, 1.0, 1.0]}), "Translate 0 0 -1", f'NamedMaterial "{made}"',
+                             iter([pbrt.directive("Shape", "plymesh", **{"string filename": name})])]
+            document.write(f"{folder}/scene.pbrt")
+            report, _ = tools.run([TOOLS / "latent-render", f"{folder}/scene.pbrt", "-o", f"{folder}/a.latent", "--spp", "256", "--json", "--record", "xyz"])
+            self.assertEqual(report["samples_rendered"], 4096)
+            picture = develop.rgb(develop.develop(TOOLS / "latent-develop", f"{folder}/a.latent", f"{folder}/a.exr"))
+        # A matt floor under an even sky of 1 has the radiance of its reflectance, without noise.
+        np.testing.assert_allclose(picture, 0.5, atol=2e-3)
+
+
+class Pictures(unittest.TestCase):
+    def test_pictures_of_several_tiles_and_layers_are_read(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tool("inspect", "gen", "-o", f"{folder}/a.latent", "--records", "4000", "--aspect", "10:9")
+            tool("develop", f"{folder}/a.latent", "-o", f"{folder}/a.exr", "--size", "300x270", "--layers", "weight")
+            channels = exr.read(f"{folder}/a.exr")
+            self.assertEqual(channels["R"].shape, (270, 300))
+            self.assertIn("weight", channels)
+            tool("develop", f"{folder}/a.latent", "-o", f"{folder}/b.exr", "--size", "300x270", "--crop", "255,200,300,270")
+            np.testing.assert_array_equal(exr.read(f"{folder}/b.exr")["G"], channels["G"][200:270, 255:300])
+
+    def test_other_pictures_are_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tool("inspect", "gen", "-o", f"{folder}/a.latent", "--records", "1000")
+            tool("develop", f"{folder}/a.latent", "-o", f"{folder}/a.exr", "--size", "8x8", "--compression", "zip")
+            with self.assertRaisesRegex(ValueError, "not as latent-develop"):
+                exr.read(f"{folder}/a.exr")
+
+    def test_white_is_white(self):
+        white = {"R": np.float32([[0.95047]]), "G": np.float32([[1.0]]), "B": np.float32([[1.08883]])}
+        np.testing.assert_allclose(develop.rgb(white), 1, atol=1e-4)
+
+
+    def test_drawn_pictures_are_read_as_they_were(self):
+        """PNG and PFM, by the eyes of the renderer: a floor that glows as its picture."""
+        pictures = part("export.pictures")
+        values = np.float32([[[0.2, 0.4, 0.6], [1, 0, 0]], [[0, 1, 0], [0.8, 0.8, 0.2]]])
+        for encode, suffix in ((pictures.png, "png"), (pictures.pfm, "pfm")):
+            with tempfile.TemporaryDirectory() as folder:
+                pathlib.Path(f"{folder}/a.{suffix}").write_bytes(encode(values))
+                document = pbrt.Document()
+                document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 2, "integer yresolution": 2}), "Scale 1 1 -1",
+                                 pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-1.0, 1.0, -1.0, 1.0]})]
+                color = document.texture("spectrum", "imagemap", {"string filename": f"a.{suffix}", "string filter": "point",
+                                                                  **({"string encoding": "linear"} if suffix == "png" else {})})
+                made = document.material("diffuse", {"texture reflectance": color})
+                document.body = [pbrt.directive("LightSource", "infinite", **{"rgb L": [1.0, 1.0, 1.0]}), "Translate 0 0 -1", f'NamedMaterial "{made}"',
+                                 'Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]']
+                document.write(f"{folder}/scene.pbrt")
+                tools.run([TOOLS / "latent-render", f"{folder}/scene.pbrt", "-o", f"{folder}/a.latent", "--spp", "1024", "--json", "--record", "xyz"])
+                shown = develop.rgb(develop.develop(TOOLS / "latent-develop", f"{folder}/a.latent", f"{folder}/a.exr", ["--filter", "box"]))
+            np.testing.assert_allclose(shown[::-1], np.round(255 * values) / 255, atol=0.01, err_msg=suffix)
+
+
+class Programs(unittest.TestCase):
+    def test_only_progress_is_read_as_progress(self):
+        self.assertEqual(tools.share_done("2026-01-01 12:00:00 committed 40 of 160 samples (25.0 %), 1 K samples/s"), 0.25)
+        self.assertIsNone(tools.share_done("latent-render: warning: committed to nothing"))
+
+    def test_a_program_that_fails_says_why(self):
+        with self.assertRaisesRegex(tools.Failure, "missing.pbrt"):
+            tools.run([TOOLS / "latent-render", "/missing.pbrt", "-o", "/tmp/never.latent"])
+
+    def test_a_missing_program_is_one_line(self):
+        with self.assertRaisesRegex(tools.Failure, "latent-nothing is neither in /nowhere nor on the PATH"):
+            tools.find("latent-nothing", "/nowhere")
+
+
+class Settings:
+    record, seed, light_groups, layers, keep_time, render_options = "SPECTRAL", 0, "NONE", set(), False, ""
+
+
+class Jobs(unittest.TestCase):
+    def made(self, folder, text, parts):
+        document = pbrt.Document()
+        document.body = [text]
+        return job.Job(folder, "frame", document.write(f"{folder}/scene.pbrt"), job.options(Settings, None, False), parts)
+
+    def test_what_changed_is_said_and_earlier_samples_are_kept(self):
+        with tempfile.TemporaryDirectory() as folder:
+            first = self.made(folder, "A", {"lamp Key": "1", "world": "2"})
+            self.assertEqual(first.word(), "new job")
+            first.remember()
+            open(first.samples, "w").close()
+            self.assertIn("the same job", self.made(folder, "A", {"lamp Key": "1", "world": "2"}).word())
+            second = self.made(folder, "B", {"lamp Key": "3", "world": "2"})
+            self.assertIn("new job: lamp Key changed", second.word())
+            self.assertEqual(second.others(), [first.samples])
+            second.remember()
+            self.assertIn("back to an earlier job", self.made(folder, "A", {"lamp Key": "1", "world": "2"}).word())
+
+
+class FakeNode:
+    """Enough of a node for Graph."""
+
+    def __init__(self, kind, inputs=(), **values):
+        self.type, self.mute, self.bl_label, self.name = kind, False, kind.title(), kind
+        self.inputs = list(inputs)
+        for socket in self.inputs:
+            socket.node = self
+        for key, value in values.items():
+            setattr(self, key, value)
+
+
+class FakeSocket:
+    def __init__(self, name, value, kind="VALUE", source=None):
+        self.name = self.identifier = name
+        self.default_value, self.type, self.enabled = value, kind, True
+        self.is_linked = source is not None
+        self.links = [types.SimpleNamespace(from_node=source, from_socket=FakeSocket("Value", 0.0))] if source else []
+
+
+class Nodes(unittest.TestCase):
+    def setUp(self):
+        self.lost = []
+        self.graph = nodes.Graph(None, self.lost.append)
+
+    def test_constants_are_folded(self):
+        inner = FakeNode("MATH", [FakeSocket("a", 2.0), FakeSocket("b", 3.0)], operation="POWER", use_clamp=False)
+        outer = FakeNode("MATH", [FakeSocket("a", 0.0, source=inner), FakeSocket("b", 0.25)], operation="MULTIPLY", use_clamp=True)
+        self.assertEqual(self.graph.value(FakeSocket("x", 0.0, source=outer)), nodes.constant(1.0))
+
+    def test_every_blend_of_constants_is_that_of_its_definition(self):
+        a, b = nodes.constant(0.5), nodes.constant(0.25)
+        for blend, expected in {"MIX": 0.375, "MULTIPLY": 0.3125, "ADD": 0.625, "SUBTRACT": 0.375, "SCREEN": 0.5625, "DARKEN": 0.375, "LIGHTEN": 0.5,
+                                "DIFFERENCE": 0.375, "DIVIDE": 1.25}.items():
+            self.assertAlmostEqual(nodes.BLENDS[blend](a, b, nodes.constant(0.5)).number(), expected, msg=blend)
+
+    def test_an_unknown_node_is_its_colour_and_listed(self):
+        node = FakeNode("TEX_NOISE", [FakeSocket("Scale", 5.0), FakeSocket("Color", (0.1, 0.2, 0.3, 1), "RGBA")])
+        self.assertEqual(self.graph.value(FakeSocket("x", 0.0, source=node)).rgb, (0.1, 0.2, 0.3))
+        self.assertEqual(len(self.lost), 1)
+
+    def test_textures_are_defined_with_what_they_consist_of(self):
+        document = pbrt.Document()
+        picture = nodes.Picture({"string filename": "a.png"})
+        made = nodes.parameter(document, "color", "spectrum", nodes.mix(picture, nodes.WHITE, nodes.constant(0.5)))
+        self.assertEqual(list(made), ["texture color"])
+        self.assertEqual(len(document.definitions), 2)
+
+    def test_blackbodies_have_the_colours_of_the_planckian_locus(self):
+        """(x, y) at 2856 K is (0.4476, 0.4075), illuminant A; the fit of the observer is good to 0.004."""
+        rgb = np.array(nodes.blackbody_rgb(2856))
+        xyz = np.linalg.inv(develop.RGB_FROM_XYZ) @ rgb
+        np.testing.assert_allclose((xyz / xyz.sum())[:2], (0.4476, 0.4075), atol=0.004)
+        self.assertAlmostEqual(xyz[1], 1, places=2)
+
+
+class Spectra(unittest.TestCase):
+    def test_an_abbe_number_comes_back(self):
+        numbers = np.array(spectra.cauchy(1.5, 40)).reshape(-1, 2)
+        n = {line: np.interp(line, *numbers.T) for line in (spectra.D_NM, spectra.F_NM, spectra.C_NM)}
+        self.assertAlmostEqual(n[spectra.D_NM], 1.5, places=4)
+        self.assertAlmostEqual((n[spectra.D_NM] - 1) / (n[spectra.F_NM] - n[spectra.C_NM]), 40, delta=0.1)
+
+    def test_tables_skip_headings_and_are_sorted(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
+            file.write("nm,reflectance\n500,0.5\n400,0.25\n")
+            file.flush()
+            self.assertEqual(spectra.table(file.name), [400.0, 0.25, 500.0, 0.5])
+
+
+class Curves(unittest.TestCase):
+    def test_strands_pass_through_their_points_and_straight_ones_stay_straight(self):
+        points = np.array([[0, 0, 0], [0, 0, 1], [0, 0, 3], [0, 0, 4]], float)
+        control = curves.bezier(points)
+        np.testing.assert_array_equal(control[::3], points)
+        np.testing.assert_array_equal(control[:, :2], 0)
+        self.assertTrue((np.diff(control[:, 2]) > 0).all())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v"])
