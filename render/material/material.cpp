@@ -91,13 +91,15 @@ float Material::number(const Input& input, const Source& source, const TexturePo
     return source.is_root ? std::sqrt(given) : given;
 }
 
-std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*& weight) const {
+std::uint32_t Material::chosen(const TexturePoint& point, std::uint32_t depth, const SampledSpectrum*& weight) const {
     // No place is told from another one by less than its last bits, so this is as good as chance.
-    std::byte bytes[12];
+    std::byte bytes[16];
     store_le(bytes, std::bit_cast<std::uint32_t>(point.p.x));
     store_le(bytes + 4, std::bit_cast<std::uint32_t>(point.p.y));
     store_le(bytes + 8, std::bit_cast<std::uint32_t>(point.p.z));
-    const float u = static_cast<float>(hash64(bytes) >> 40) * 0x1p-24f;
+    store_le(bytes + 12, depth);
+    const auto identity = std::span<const std::byte>(bytes).first(depth == 0 ? 12 : 16);
+    const float u = static_cast<float>(hash64(identity) >> 40) * 0x1p-24f;
     if (!sources_[kSelector].is_there) return mixed_[u < number(kMixture[kAmount], sources_[kAmount], point) ? 1 : 0];
     // Wavelengths are drawn about as the eye sees them, so their mean is the selector's luminance [R06 5.3.5].
     const SampledSpectrum& share = spectrum(kMixture[kSelector], sources_[kSelector], point);

@@ -31,9 +31,10 @@ class Material {
 
     // Of a mixture: the material at this point, one of two by a hash of the place, in the shares that it describes. So a mixture is
     // one surface, whichever path comes there. If the shares vary with wavelength, the choice is made by their mean, and `weight`
-    // (null: 1) is multiplied by the share over its probability.
+    // (null: 1) is multiplied by the share over its probability. `depth`: how many mixtures this one is within; each has a hash of
+    // its own, so that their choices are independent.
     bool is_mixture() const { return make_ == nullptr; }
-    std::uint32_t chosen(const TexturePoint& point, const SampledSpectrum*& weight) const;
+    std::uint32_t chosen(const TexturePoint& point, std::uint32_t depth, const SampledSpectrum*& weight) const;
 
     const Relief& relief() const { return relief_; }
 

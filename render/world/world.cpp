@@ -97,7 +97,7 @@ Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kep
     if (hit.ribbon) hit.across = (hit.mirrored ? -1.0f : 1.0f) * (2 * coordinates.uv.y - 1);
     const Material* material = &materials_[hit.material];
     const SampledSpectrum* weight = nullptr;
-    while (material->is_mixture()) material = &materials_[material->chosen(point, weight)];
+    for (std::uint32_t depth = 0; material->is_mixture(); ++depth) material = &materials_[material->chosen(point, depth, weight)];
     material->relief().tilt(point, coordinates, hit);
     Bsdf bsdf = material->bsdf(hit, point, kept);
     if (weight != nullptr) bsdf.weigh(*weight);

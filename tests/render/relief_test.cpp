@@ -6,6 +6,10 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "color/named_spectra.h"
 #include "render/material/material.h"
 #include "tests/render/rays.h"
@@ -136,8 +140,8 @@ TEST(Mixture, ChoosesInTheSharesThatItSays) {
         TexturePoint point{};
         point.p = {static_cast<float>(i) * 1e-3f, 0.3f, 0};
         const SampledSpectrum* weight = nullptr;
-        const std::uint32_t chosen = mixture.chosen(point, weight);
-        EXPECT_EQ(mixture.chosen(point, weight), chosen);
+        const std::uint32_t chosen = mixture.chosen(point, 0, weight);
+        EXPECT_EQ(mixture.chosen(point, 0, weight), chosen);
         EXPECT_EQ(weight, nullptr);  // one share for all wavelengths
         if (scene.description.materials[chosen].type == "phong") ++second;
     }
@@ -150,6 +154,30 @@ TEST(Mixture, ChoosesInTheSharesThatItSays) {
         mixtures += fmt::format("MakeNamedMaterial \"m{}\" \"string type\" \"mix\" \"string materials\" [\"m{}\" \"m{}\"]\n", i,
                                 i - 1, i - 1);
     EXPECT_THAT(refused_world(mixtures), HasSubstr("or of more than 10,000 materials"));
+}
+
+TEST(Mixture, WithinAnotherOneChoosesByItself) {
+    const testing::Scene scene = testing::scene_of(load_world(
+        std::string("MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"b\" \"string type\" \"phong\"\n"
+                    "MakeNamedMaterial \"c\" \"string type\" \"conductor\"\n"
+                    "MakeNamedMaterial \"ab\" \"string type\" \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .3\n"
+                    "LightSource \"infinite\"\nMaterial \"mix\" \"string materials\" [\"ab\" \"c\"] \"float amount\" .5\n") +
+        kPlane));
+    SpectrumLibrary library;
+    const Textures textures = Textures::build(scene.description, 1 << 20, library).value();
+    std::vector<Material> materials;
+    for (const MaterialDescription& description : scene.description.materials) materials.emplace_back(description, textures, library);
+    std::map<std::string, int> found;
+    for (int i = 0; i < 10000; ++i) {
+        TexturePoint point{};
+        point.p = {static_cast<float>(i) * 1e-3f, 0.3f, 0};
+        const SampledSpectrum* weight = nullptr;
+        std::uint32_t at = scene.description.shapes[0].material;
+        for (std::uint32_t depth = 0; materials[at].is_mixture(); ++depth) at = materials[at].chosen(point, depth, weight);
+        ++found[scene.description.materials[at].type];
+    }
+    for (const auto& [type, share] : {std::pair("diffuse", 0.35), {"phong", 0.15}, {"conductor", 0.5}})
+        EXPECT_NEAR(found[type], 10000 * share, 5 * std::sqrt(10000 * share * (1 - share))) << type;  // 5 sigma
 }
 
 std::string gzipped(const std::string& text) {
