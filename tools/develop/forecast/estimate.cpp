@@ -42,21 +42,21 @@ Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial) {
     constexpr double kMaxGrowth = 4;
-    constexpr std::size_t kRepeats = 3;
+    constexpr std::size_t kRepeats = 2;
     LinearCost cost;
     Tried first, last;
-    std::vector<Tried> repeated;  // the last amount, the cheapest first
+    std::vector<Tried> repeated;  // the last amount, the cheaper first
     for (double amount = std::min(least, most);;) {
         const Result<Tried> tried = trial(amount);
         if (!tried) return tried.error();
         cost.spent = cost.spent + tried->cost;
         repeated.push_back(*tried);
         std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
-        last = repeated[(repeated.size() - 1) / 2];
+        last = repeated.front();
         const double left = seconds - cost.spent.wall;
         const bool is_first = first.amount == 0 || last.amount == first.amount;
-        const bool is_alone = repeated.size() == 1;  // its memory was new, which may cost as much again
-        if (is_alone && last.cost.wall < (is_first ? left / 10 : left)) continue;
+        const bool is_alone = repeated.size() == 1;  // its memory was new, which may cost as much again, or twice
+        if (is_alone && (is_first ? last.cost.wall < left / 10 : left > 0)) continue;
         cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
         if (last.amount > first.amount && first.amount > 0) {
             const Cost slope = (last.cost - first.cost) * (1 / (last.amount - first.amount));
@@ -65,9 +65,12 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
             first = last;
         }
         cost.fixed = at_least(last.cost - cost.each * last.amount, {});
-        const double tries = is_first && is_alone ? 1.5 : kRepeats + 1;  // a second amount is worth more than repeats
-        const double affordable = (left / tries - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
-        const double next = std::min({kMaxGrowth * amount, affordable, most});
+        const auto affordable = [&](double tries) {
+            const double count = (left / tries - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
+            return std::min({kMaxGrowth * amount, count, most});
+        };
+        double next = affordable(kRepeats + 1);
+        if (is_first && next < 2 * amount) next = affordable(1.5);  // a second amount is worth more than repeats
         if (next > amount && next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
             repeated.clear();
