@@ -594,6 +594,19 @@ def mix_of_two():
     on_show(made, 0.5)
 
 
+@feature(2, kind="ball")
+def mix_within_a_mix():
+    made, tree, node = material("MixShader", "Shader", Fac=0.5)
+    inner = tree.nodes.new("ShaderNodeMixShader")
+    inner.inputs[0].default_value = 0.3
+    tree.links.new(inner.outputs[0], node.inputs[1])
+    for target, color in ((inner.inputs[1], (0.9, 0.1, 0.1, 1)), (inner.inputs[2], (0.1, 0.1, 0.9, 1)), (node.inputs[2], (0.1, 0.9, 0.1, 1))):
+        matt = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        matt.inputs["Color"].default_value = color
+        tree.links.new(matt.outputs[0], target)
+    on_show(made)
+
+
 @feature(5, "the diffuse part is Lambert's in Latent, Burley's in 3.4", kind="ball")
 def principled_plastic():
     on_show(principled(Base_Color=(0.7, 0.1, 0.1, 1), Roughness=0.4)[0])

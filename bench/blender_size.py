@@ -71,4 +71,5 @@ try:
 except RuntimeError as failure:
     assert "exported" in str(failure), failure
 size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-print("RESULT " + json.dumps({"count": count, "seconds": engine.last["seconds"].get("export", time.monotonic() - begin), "bytes": size}))
+print("RESULT " + json.dumps({"count": count, "seconds": engine.last["seconds"].get("export", time.monotonic() - begin), "bytes": size}), flush=True)
+sys.exit(0)  # Blender itself would end with 1, for the render that was stopped

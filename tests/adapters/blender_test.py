@@ -17,7 +17,7 @@ with tempfile.TemporaryDirectory() as folder:
     made = subprocess.run([sys.executable, "-B", f"{sources}/adapters/blender/make_zip", folder], check=True, capture_output=True, text=True).stdout.strip()
     words = [made, folder, sources]
     script = str(here / "blender_inside.py")
-    command = [*python, script, *words] if python else [blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", script, "--", *words]
+    command = [*python, script, *words] if python else [blender, "-b", "--factory-startup", "-noaudio", "--python", script, "--", *words]
     environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "BLENDER_USER_RESOURCES": f"{folder}/profile", "BLENDER_USER_CONFIG": f"{folder}/profile/config",
                    "BLENDER_USER_SCRIPTS": f"{folder}/profile/scripts", "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True)

@@ -166,7 +166,8 @@ TEST(Mixture, WithinAnotherOneChoosesByItself) {
     SpectrumLibrary library;
     const Textures textures = Textures::build(scene.description, 1 << 20, library).value();
     std::vector<Material> materials;
-    for (const MaterialDescription& description : scene.description.materials) materials.emplace_back(description, textures, library);
+    for (const MaterialDescription& description : scene.description.materials)
+        materials.emplace_back(description, textures, library);
     std::map<std::string, int> found;
     for (int i = 0; i < 10000; ++i) {
         TexturePoint point{};

@@ -330,8 +330,6 @@ def mixed(reader, node):
     alpha = mix(first.alpha, second.alpha, amount) if not is_constant(first.alpha, second.alpha) or first.alpha != second.alpha else first.alpha
     if not first.material and not second.material:
         return Surface(None, emitted, alpha)
-    if "mix" in [inner.material[0] for inner in (first, second) if inner.material]:
-        reader.graph.lost("a mixture within a mixture has wrong shares: Latent chooses both by the same number")
     share = {"texture amount": reader.set("amount", "float", amount)["texture amount"]} if not is_constant(amount) else {"float amount": amount.number()}
     return Surface(("mix", {"string materials": [reader.named(first.material), reader.named(second.material)], **share}), emitted, alpha)
 
