@@ -26,12 +26,15 @@ struct BsdfSample {
 // f |w_light.ns|: along a camera subpath that is all; along a light subpath the caller divides by |w_light.ng| and multiplies by
 // |w_camera.ng|. A surface reflects only on one side of ng and transmits only to the other: no light leaks through bumps [R06 9.8].
 // A fibre has no sides; it is seen where w_camera comes from outside.
+//
+// ns is turned towards ng where the camera would see a reflection from below the surface (`seen_from`), so f depends on which of
+// the two directions is the camera's. A light subpath draws w_camera about the ns that is stored.
 class Bsdf {
  public:
     // frame.z is the shading normal. Valid as long as the values that the closure points to.
     template <Closure C>
     Bsdf(const Frame& frame, const Vec3f& ng, const C& closure)
-        : frame_(frame), ng_(ng), delta_(closure.is_delta()), transmits_(C::kTransmits), closure_(closure) {
+        : frame_(frame), ng_(ng), delta_(closure.is_delta()), transmits_(C::kTransmits), tilted_(frame.z != ng), closure_(closure) {
         if constexpr (std::is_same_v<C, Hair>) fibre_ = true, round_ = closure.is_round();
     }
 
@@ -47,31 +50,41 @@ class Bsdf {
     // About the share of light that it scatters.
     SampledSpectrum albedo() const;
     // For whom a light's point is drawn, looked at from wo.
-    LightSampleContext light_sample_context(const Vec3f& wo) const { return {face_forward(frame_.z, wo), transmits_}; }
+    LightSampleContext light_sample_context(const Vec3f& w_camera) const {
+        return {face_forward(seen_from(w_camera).z, w_camera), transmits_};
+    }
 
     // value *= f |w_light.ns|. Nothing but zero if is_delta().
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     // Density [1/sr] with which `sample` finds wi from wo; 0 if is_delta().
-    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi, bool from_camera) const;
     // What passes from w_light to w_camera is refracted by an index that varies with wavelength: only the kept one is right.
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const {
-        return std::visit(
-            [&](const auto& closure) { return closure.disperses(frame_.to_local(w_camera), frame_.to_local(w_light)); }, closure_);
+        const Frame frame = seen_from(w_camera, false);
+        return std::visit([&](const auto& closure) { return closure.disperses(frame.to_local(w_camera), frame.to_local(w_light)); },
+                          closure_);
     }
     // Draws wi for a subpath that arrives from wo; beta *= weight of the step. `from_camera`: a camera subpath. False: absorbed.
     bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const;
     // As `pdf` of what `sample` drew: that it finds wo from wi.
-    float pdf_reverse(const Vec3f& wo, const BsdfSample& drawn) const {
-        return drawn.delta ? drawn.probability_reverse : pdf_omega(drawn.wi, wo);
+    float pdf_reverse(const Vec3f& wo, const BsdfSample& drawn, bool from_camera) const {
+        return drawn.delta ? drawn.probability_reverse : pdf_omega(drawn.wi, wo, !from_camera);
     }
 
  private:
+    // The frame that a camera sees from w. With g = ng and s = ns on w's side, r = 2 (s.w) s - w the reflection of w, and
+    // t = kLift g.w: if r.g < t, ns becomes the normal that reflects w along r + (t - r.g) g, which is just above the surface
+    // [Keller17]. Of smooth glass, only `reflection` does: what it refracts keeps ns while s.w > 0, so that light subpaths find it.
+    Frame seen_from(const Vec3f& w, bool reflection) const { return tilted_ ? turned_to(w, reflection) : frame_; }
+    Frame seen_from(const Vec3f& w) const { return seen_from(w, !delta_ || !transmits_); }
+    Frame turned_to(const Vec3f& w, bool reflection) const;
     // The side rule, for two directions in the world and in the frame.
     bool connects(const Vec3f& world_a, const Vec3f& world_b, const Vec3f& a, const Vec3f& b) const;
 
     Frame frame_;
     Vec3f ng_;
     bool delta_, transmits_;
+    bool tilted_;  // ns is not ng
     bool fibre_ = false, round_ = false;
     const SampledSpectrum* weight_ = nullptr;
     AnyClosure closure_;

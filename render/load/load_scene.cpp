@@ -80,6 +80,7 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_i
     Result<Model> model = is_model ? read_model(path, *format, colors, options, names, diagnostics)
                                    : read_pbrt(path, {.replaces_integrator = replace_integrator}, rgb_spectra, names, diagnostics);
     if (!model) return model.error();
+    if (is_model) model->scene.max_depth = kUnlimited;  // a path through two glasses meets eight surfaces
     scene.embedded = std::move(model->embedded);
     std::vector<Model> more;
     for (const std::filesystem::path& addition : additions) {

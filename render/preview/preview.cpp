@@ -19,6 +19,8 @@ namespace {
 constexpr double kMaxPixels = 1024, kUsefulPixels = 480, kMinPixels = 160;  // of the longer side
 constexpr double kCleanPerPixel = 4;                                        // samples; below kUsefulPixels, one is enough
 
+constexpr double kGlance = 1e-6;  // seconds: min_samples and no more
+
 // Of the picture; the height follows from the film. Rather noisy than tiny.
 double width_for(const RenderJob& job, std::uint64_t samples) {
     const double shape = static_cast<double>(job.job.aspect_height) / job.job.aspect_width, longer = std::max(1.0, shape);
@@ -45,8 +47,14 @@ std::filesystem::path preview_path(const RenderOptions& options) {
 Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, bool denoise,
                         const std::atomic<bool>& stop) {
     const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "", min_samples(job)};
-    const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
+    // Pictures are decoded when they are first seen. The time begins when that is done.
+    const bool is_cold = has_pictures(job.scene.description);
+    Result<Trial> trial = render_trial(job, options, is_cold ? kGlance : seconds, place, stop);
     if (!trial) return trial.error();
+    if (is_cold && !stop) {
+        Result<Trial> warm = render_trial(job, options, seconds, place, stop);
+        if (warm) trial = std::move(warm);
+    }
     const Result<Forecast> expected = forecast(job, options, *trial);
     if (!expected) return expected.error();
 

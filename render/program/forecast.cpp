@@ -21,17 +21,17 @@ std::string full_name(const std::filesystem::path& folder) {
     return error ? folder.string() : full.lexically_normal().parent_path().string();
 }
 
-bool has_pictures(const SceneDescription& scene) {
-    return std::ranges::any_of(scene.textures, [](const TextureDescription& t) {
-        return t.kind == TextureKind::kImage || t.kind == TextureKind::kNormalMap;
-    });
-}
-
 std::uint64_t scaled(std::uint64_t bytes, double factor) {
     return static_cast<std::uint64_t>(std::min(static_cast<double>(bytes) * factor, 0x1p63));
 }
 
 }  // namespace
+
+bool has_pictures(const SceneDescription& scene) {
+    return std::ranges::any_of(scene.textures, [](const TextureDescription& t) {
+        return t.kind == TextureKind::kImage || t.kind == TextureKind::kNormalMap;
+    });
+}
 
 double trial_seconds(const RenderOptions& options) {
     constexpr double kMax = 2;

@@ -29,6 +29,9 @@ struct Forecast {
     bool fits() const { return !free_bytes || committed == samples || bytes <= *free_bytes; }
 };
 
+// Which are read when they are first seen: the beginning of a render says little about the rest.
+bool has_pictures(const SceneDescription& scene);
+
 // Of a dry run: two, or less if --max-time says so.
 double trial_seconds(const RenderOptions& options);
 

@@ -134,7 +134,7 @@ class Path {
         LightPoint point;
         if (!light.sample_point(at_.p, context, number(Dimension::kLightU), number(Dimension::kLightV), point)) return;
         const Vec3f wo = -d_;
-        const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
+        const float scattering_pdf = scattering.pdf_omega(wo, point.wi, true);
         if (!(scattering_pdf > 0)) return;
         SampledSpectrum value = beta_;
         const std::uint32_t medium = scattering.in_medium() ? medium_ : interface_.towards(point.wi, at_.ng, medium_);

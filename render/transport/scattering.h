@@ -22,8 +22,8 @@ class Scattering {
     bool in_medium() const { return bsdf() == nullptr; }
     bool is_delta() const { return bsdf() && bsdf()->is_delta(); }
     bool is_met_from(const Vec3f& w) const { return !bsdf() || bsdf()->is_met_from(w); }
-    LightSampleContext light_sample_context(const Vec3f& wo) const {
-        return bsdf() ? bsdf()->light_sample_context(wo) : LightSampleContext{};
+    LightSampleContext light_sample_context(const Vec3f& w_camera) const {
+        return bsdf() ? bsdf()->light_sample_context(w_camera) : LightSampleContext{};
     }
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return bsdf() && bsdf()->disperses(w_camera, w_light); }
 
@@ -35,8 +35,8 @@ class Scattering {
             phase().multiply(w_camera, w_light, value);
         }
     }
-    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
-        return bsdf() ? bsdf()->pdf_omega(wo, wi) : phase().pdf_omega(wo, wi);
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi, bool from_camera) const {
+        return bsdf() ? bsdf()->pdf_omega(wo, wi, from_camera) : phase().pdf_omega(wo, wi);
     }
 
     bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const {
@@ -53,8 +53,8 @@ class Scattering {
         return true;
     }
     // Phase functions are symmetric.
-    float pdf_reverse(const Vec3f& wo, const BsdfSample& drawn) const {
-        return bsdf() ? bsdf()->pdf_reverse(wo, drawn) : drawn.pdf;
+    float pdf_reverse(const Vec3f& wo, const BsdfSample& drawn, bool from_camera) const {
+        return bsdf() ? bsdf()->pdf_reverse(wo, drawn, from_camera) : drawn.pdf;
     }
 
  private:

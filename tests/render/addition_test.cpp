@@ -69,6 +69,10 @@ TEST_F(Addition, BringsItsCameraWithItsFilmAndItsIntegrator) {
         "a.pbrt", std::string(kSideCamera) + "Integrator \"bdpt\" \"integer maxdepth\" 7\nWorldBegin\n", {furnished("a", "1")});
     EXPECT_EQ(kept.integrator, "bdpt");
     EXPECT_EQ(kept.max_depth, 7u);
+    // Paths through a model have any length, unless it is said.
+    EXPECT_EQ(load("a.obj", kOneTriangle).max_depth, kUnlimited);
+    EXPECT_EQ(load("a.obj", kOneTriangle, {furnished("a", "1")}).max_depth, kUnlimited);
+    EXPECT_EQ(load("a.obj", kOneTriangle, {"Integrator \"path\" \"integer maxdepth\" 3\n"}).max_depth, 3u);
 }
 
 TEST_F(Addition, LightsAModelInsteadOfTheSkyThatItLacks) {

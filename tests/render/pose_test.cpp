@@ -102,6 +102,10 @@ TEST_F(Pose, SkinsFollowTheirJointsAndNotTheirNode) {
     EXPECT_NEAR(length(corner(skinned({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0})) - Vec3f(-1, 1, 0)), 0, 1e-6);
     EXPECT_NEAR(length(corner(skinned({.5, .5, 0, 0, .5, .5, 0, 0, .5, .5, 0, 0, .5, .5, 0, 0})) - Vec3f(0.5f, 1, 0)), 0, 1e-6);
 
+    GltfFile outside = skinned({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+    outside.json["scenes"][0]["nodes"] = {0};  // without the joints
+    EXPECT_EQ(hash(outside), hash(square(1)));
+
     GltfFile bound = skinned({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
     const std::size_t matrices = bound.add_floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1,  // bound where it is now
                                                    1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1},

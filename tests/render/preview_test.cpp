@@ -75,6 +75,21 @@ TEST_F(PreviewTest, HasNoNoiseUnlessItIsToStay) {
     EXPECT_EQ(render({"--no-denoise", "--dry-run"}).status, 2);
 }
 
+TEST_F(PreviewTest, AScenePictureIsSeenBeforeTheTimeBegins) {
+    const std::filesystem::path scene = folder_ / "slide.pbrt";
+    std::ofstream(scene)
+        << "Film \"rgb\" \"integer xresolution\" 30 \"integer yresolution\" 20\nCamera \"perspective\"\nWorldBegin\n"
+           "LightSource \"infinite\"\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \""
+        << latent::testing::in_tree("scenes/slide.png")
+        << "\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\nTranslate 0 0 2\nShape \"sphere\"\n";
+    const Outcome outcome = latent::testing::run({latent::testing::tool("latent-render"), scene.string(), "-o",
+                                                  (folder_ / "p.latent").string(), "--spp", "4", "--preview", "60"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 30 x 20 pixels, 4 samples per pixel"));
+    std::filesystem::remove(scene);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
+}
+
 TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
     ASSERT_EQ(render({"--resolution", "40x40", "--spp", "8", "--preview", "60"}).status, 0);
     EXPECT_EQ(png_size("p.preview.png"), (std::pair{40u, 40u}));

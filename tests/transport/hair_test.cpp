@@ -54,7 +54,7 @@ TEST(Hair, DirectionsFollowTheirDensity) {
                      if (!bsdf.sample(kViews[d], true, lobe, x, y, s, beta)) return std::nullopt;
                      return s.wi;
                  },
-                 .pdf_omega = [&](const Vec3f& wi) { return static_cast<double>(bsdf.pdf_omega(kViews[d], wi)); },
+                 .pdf_omega = [&](const Vec3f& wi) { return static_cast<double>(bsdf.pdf_omega(kViews[d], wi, true)); },
                  .count = 60'000,
                  .fine = 24});
         }
@@ -102,8 +102,8 @@ TEST(Hair, WeightsAreWhatEvaluationSaysForBothKindsOfSubpath) {
             const float lobe = u(), x = u(), y = u();
             if (!bsdf.sample(wo, from_camera, lobe, x, y, s, beta)) continue;
             ++met;
-            ASSERT_FLOAT_EQ(s.pdf, bsdf.pdf_omega(wo, s.wi));
-            ASSERT_FLOAT_EQ(bsdf.pdf_reverse(wo, s), bsdf.pdf_omega(s.wi, wo));
+            ASSERT_FLOAT_EQ(s.pdf, bsdf.pdf_omega(wo, s.wi, true));
+            ASSERT_FLOAT_EQ(bsdf.pdf_reverse(wo, s, true), bsdf.pdf_omega(s.wi, wo, true));
             bsdf.multiply_f_cos(from_camera ? wo : s.wi, from_camera ? s.wi : wo, f);
             const float side = from_camera ? 1 : std::abs(s.wi.z / wo.z);
             for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) ASSERT_NEAR(beta[i], f[i] * side / s.pdf, 2e-5f * beta[i] + 1e-7f);
@@ -119,7 +119,7 @@ TEST(Hair, TheSurfaceOfABlackFibreIsAMirror) {
     const Hair::State round(black, false, 0);
     for (const Vec3f& wo : kViews) {
         const Vec3f mirrored{-wo.x, -wo.y, wo.z};
-        EXPECT_GT(hair_of(round).pdf_omega(wo, mirrored), 5);
+        EXPECT_GT(hair_of(round).pdf_omega(wo, mirrored, true), 5);
         SampledSpectrum there(1.0f), beside(1.0f);
         hair_of(round).multiply_f_cos(wo, mirrored, there);
         hair_of(round).multiply_f_cos(wo, normalize(mirrored + normalize(Vec3f{0, -mirrored.z, mirrored.y}) * 0.3f), beside);
@@ -128,9 +128,9 @@ TEST(Hair, TheSurfaceOfABlackFibreIsAMirror) {
     // A ribbon that is seen at y = 0.6 has the normal of a round fibre there.
     const Hair::State ribbon(black, true, 0.6f);
     const Vec3f n{0, 0.6f, 0.8f}, wo{0, 0, 1}, mirrored = n * (2 * dot(n, wo)) - wo;
-    EXPECT_GT(hair_of(ribbon).pdf_omega(wo, mirrored), 5);
+    EXPECT_GT(hair_of(ribbon).pdf_omega(wo, mirrored, true), 5);
     const Vec3f behind{0, 0, -1}, far_normal{0, 0.6f, -0.8f};
-    EXPECT_GT(hair_of(ribbon).pdf_omega(behind, far_normal * (2 * dot(far_normal, behind)) - behind), 5);
+    EXPECT_GT(hair_of(ribbon).pdf_omega(behind, far_normal * (2 * dot(far_normal, behind)) - behind, true), 5);
 }
 
 TEST(Hair, ARoundFibreIsSeenAndMetFromOutsideAlone) {
@@ -142,8 +142,8 @@ TEST(Hair, ARoundFibreIsSeenAndMetFromOutsideAlone) {
     bsdf.multiply_f_cos(inside, outside, back);
     EXPECT_GT(through[0], 0);
     EXPECT_EQ(back[0], 0);
-    EXPECT_GT(bsdf.pdf_omega(outside, inside), 0);
-    EXPECT_EQ(bsdf.pdf_omega(inside, outside), 0);
+    EXPECT_GT(bsdf.pdf_omega(outside, inside, true), 0);
+    EXPECT_EQ(bsdf.pdf_omega(inside, outside, true), 0);
 }
 
 std::string tuft(const std::string& type, const std::string& material) {

@@ -234,6 +234,37 @@ class GltfLoader {
             visit(node, next.node, {m, end});
             add(node["children"], {m, end});
         }
+        if (root()["skins"].size() > 0) place_idle_nodes();
+    }
+    // Joints need not be in the scene.
+    void place_idle_nodes() {
+        const GltfValue nodes = root()["nodes"];
+        std::vector<std::vector<std::uint32_t>> children(nodes.size());
+        std::vector<bool> has_parent(nodes.size());
+        for (std::uint32_t n = 0; n < nodes.size(); ++n) {
+            if (world_from_node_[n]) continue;
+            const GltfValue list = nodes[n]["children"];
+            for (std::size_t i = 0; i < list.size(); ++i) {
+                const std::optional<std::uint32_t> child = list[i].index(nodes);
+                if (!child || world_from_node_[*child] || has_parent[*child]) continue;
+                has_parent[*child] = true;
+                children[n].push_back(*child);
+            }
+        }
+        std::vector<std::uint32_t> open;
+        const auto place = [&](std::uint32_t node, const Affined& world_from_parent) {
+            const Affined m = world_from_parent * local_transform(nodes[node], poses_[node]);
+            if (!is_finite(m)) return;
+            world_from_node_[node] = m;
+            open.push_back(node);
+        };
+        for (std::uint32_t n = 0; n < nodes.size(); ++n)
+            if (!world_from_node_[n] && !has_parent[n]) place(n, {});
+        while (!open.empty()) {
+            const std::uint32_t parent = open.back();
+            open.pop_back();
+            for (const std::uint32_t child : children[parent]) place(child, *world_from_node_[parent]);
+        }
     }
 
     // Where a node is when the shutter opens, and when it closes.
@@ -367,7 +398,7 @@ class GltfLoader {
         for (std::size_t i = 0; i < joints.size(); ++i) {
             const std::optional<std::uint32_t> node = joints[i].index(root()["nodes"]);
             if (!node) continue;
-            if (!world_from_node_[*node]) joints[i].warn_of_kind("joint", "is not in the scene, and stays where it was bound");
+            if (!world_from_node_[*node]) joints[i].warn_of_kind("joint", "is in no tree of nodes, and stays where it was bound");
             Affined m;
             if (bind && bind->size() >= 16 * (i + 1)) {
                 const float* x = &(*bind)[16 * i];
@@ -480,7 +511,7 @@ class GltfLoader {
     std::vector<Mesh> meshes_;
     std::vector<GltfNodePose> poses_;                      // of each node, at the moment that is shown, or the shutter opens
     std::vector<GltfNodePose> last_poses_;                 // where it closes; empty: it shows a moment
-    std::vector<std::optional<Affined>> world_from_node_;  // of those in the scene
+    std::vector<std::optional<Affined>> world_from_node_;  // of those in trees
     std::vector<Placement> placements_;
     std::uint64_t vertices_ = 0;
 };

@@ -99,6 +99,8 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
                                        has_ground ? " and a ground are" : " is"));
         model.scene.lights.push_back(studio_sky(white, options));
         if (has_ground) model.shapes.push_back(studio_ground(box, options, model.scene));
+    } else if (additions.empty()) {
+        notes.emplace_back("is lit by its own lights alone; --sky FILE adds a sky");
     }
     return notes;
 }

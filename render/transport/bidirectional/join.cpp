@@ -28,7 +28,7 @@ void SubpathJoin::join_light(std::size_t i) {
     if (!light.sample_point(z.at.p, context, camera_number(i - 1, Dimension::kLightU), camera_number(i - 1, Dimension::kLightV),
                             point))
         return;
-    const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);
+    const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi, true);
     if (!(scattering_pdf > 0)) return;
     SampledSpectrum value = z.beta;
     z.scattering.multiply_f_cos(z.wo, point.wi, value);
@@ -57,7 +57,7 @@ void SubpathJoin::join_light(std::size_t i) {
     }
     pdf_reverse *= lights_.probability(chosen.light) / chosen.probability;
     const float hit = light.can_be_met() ? mis_term(scattering_pdf * line.transmittance, sampled, 1) : 0;
-    const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
+    const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo, false) * z.to_previous_area;
     value *= mis_weight(hit + mis_sum(subpaths_.camera, i, pdf_reverse, previous_pdf_reverse));
     seen_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), light.id());
 }
@@ -77,8 +77,8 @@ void SubpathJoin::join_lens(std::size_t i) {
     const float density = point.jacobian / (point.parallel ? 1 : d2);
     value *= density;
 
-    const float pdf = y.scattering.pdf_omega(y.wo, to_camera),
-                previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo) * y.to_previous_area;
+    const float pdf = y.scattering.pdf_omega(y.wo, to_camera, false),
+                previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo, true) * y.to_previous_area;
     const bool lens = camera_.has_lens();
     const float hit =
         lens ? mis_term(pdf * abs_dot(camera_.axis(), point.w) / d2 * line.transmittance, 1 / camera_.lens_area(), 1) : 0;
@@ -95,8 +95,8 @@ void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
     const float d2 = length_squared(to);
     if (!(d2 > 0)) return;
     const Vec3f w = to / std::sqrt(d2);
-    const float pdf_z = z.scattering.pdf_omega(z.wo, w), pdf_y = y.scattering.pdf_omega(y.wo, -w);
-    if (!(pdf_z > 0) || !(pdf_y > 0)) return;
+    const float pdf_z = z.scattering.pdf_omega(z.wo, w, true), pdf_y = y.scattering.pdf_omega(y.wo, -w, false);
+    if (!(pdf_z > 0)) return;
     SampledSpectrum value = y.beta * z.beta;
     multiply_light_side(y, -w, value);
     z.scattering.multiply_f_cos(z.wo, w, value);
@@ -106,8 +106,10 @@ void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
     value *= factor / d2;
     const float pdf_reverse_z = pdf_y * z.cosine_from(w) / d2 * distance_pdf(z, line);
     const float pdf_reverse_y = pdf_z * y.cosine(w) / d2 * distance_pdf(y, line.last_medium, line.last_column, line.transmittance);
-    const float shorter_camera = mis_sum(subpaths_.camera, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous_area);
-    const float shorter_light = mis_sum(subpaths_.light, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);
+    const float shorter_camera =
+        mis_sum(subpaths_.camera, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo, false) * z.to_previous_area);
+    const float shorter_light =
+        mis_sum(subpaths_.light, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo, true) * y.to_previous_area);
     value *= mis_weight(shorter_camera + shorter_light);
     const bool dispersed = y.dispersed || z.dispersed || y.scattering.disperses(-w, y.wo) || z.scattering.disperses(z.wo, w);
     seen_.add(value, dispersed, lights_[subpaths_.start_light].id());

@@ -68,7 +68,8 @@ void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
         }
         step.throughput *= weight;
         step.beta *= weight;
-        step.dispersed = x.dispersed || x.scattering.disperses(x.wo, next.wi);
+        step.dispersed =
+            x.dispersed || (from_camera ? x.scattering.disperses(x.wo, next.wi) : x.scattering.disperses(next.wi, x.wo));
         if (from_camera) eta2 *= next.eta2;
         const float survival =
             survival_probability(step.throughput, eta2, step.dispersed, sample_.kept, x.scattering.in_medium(), i);
@@ -78,7 +79,7 @@ void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
             step.throughput *= 1 / survival;
             step.beta *= 1 / survival;
         }
-        const float pdf_reverse = x.scattering.pdf_reverse(x.wo, next) * x.to_previous_area;
+        const float pdf_reverse = x.scattering.pdf_reverse(x.wo, next, from_camera) * x.to_previous_area;
         step.mis_shorter = (next.delta ? 0 : x.mis.end) + mis_term(pdf_reverse, path[i - 1].pdf_forward, x.mis.shorter);
         step.d = next.wi;
         step.pdf = next.pdf;
