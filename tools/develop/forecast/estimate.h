@@ -54,8 +54,8 @@ struct LinearCost {
 };
 
 // Tries `least`, then more: each amount is up to four times the last, and at most `most`. Ends after about `seconds`, or when an
-// amount costs `enough` seconds of CPU time more than the first. The cheaper of two tries of an amount counts; `least` is tried once
-// where time is short, and if there was no time for more, all of its cost is taken to be that of its amount. Errors: those of
+// amount costs `enough` seconds of CPU time more than the first. The cheaper of two tries of an amount counts; `least` is tried
+// once where time is short, and if there was no time for more, all of its cost is taken to be that of its amount. Errors: those of
 // `trial`.
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
