@@ -142,10 +142,12 @@ constexpr ForeignOption kForeignOptions[] = {
     {"--fstop", "that is latent-develop --aperture f:8; for the glare of lamps, latent-convert --glare f:8"},
     {"--blades", "that is latent-develop --aperture blades:6; for the glare of lamps, latent-convert --glare blades:6"},
     {"--bloom", "that is latent-convert --glare"},
+    {"--glare", "glare belongs to prints: latent-convert --glare"},
     {"--stereo", "a stereo pair is latent-develop --aperture left, and --aperture right"},
     {"--apodise", "soft openings are latent-develop --aperture gaussian"},
     {"--anamorphic", "that is latent-develop --aperture anamorphic:1.33"},
     {"--cat-eye", "that is latent-develop --aperture cat-eye:0.5"},
+    {"--rolling", "that is latent-develop --shutter rolling:0.5"},
     {"--shutter-curve", "that is latent-develop --shutter soft, film, or a CSV file"},
 };
 

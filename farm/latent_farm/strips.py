@@ -1,11 +1,18 @@
 """The strips of a picture become one: tiled OpenEXR files, as latent-develop writes them, whose tiles are copied as they are."""
 import os
+import re
 import struct
 
 from latent_farm import files
 from latent_farm.errors import Failure
 
 MAGIC, TILED = 20000630, 0x200
+
+
+def without_crop(recipe):
+    """The recipe of the whole picture; docs/recipes.md."""
+    recipe = re.sub(rb'"crop":"[^"]*",|,?"crop":"[^"]*"', b"", recipe, count=1)
+    return recipe.replace(b',"develop":{}', b"")
 
 
 class Strip:
@@ -33,6 +40,9 @@ class Strip:
             kind, (size,) = self._text(), self._unpack("<i")
             self.attributes[name] = kind, self._bytes(size)
         self.window = struct.unpack("<4i", self.attributes.pop(b"dataWindow")[1])
+        if b"latentRecipe" in self.attributes:
+            kind, recipe = self.attributes[b"latentRecipe"]
+            self.attributes[b"latentRecipe"] = kind, without_crop(recipe)
         width, height, mode = struct.unpack("<IIB", self.attributes[b"tiles"][1])
         if mode & 0xf or not width or not height:
             raise Failure(f"{self.path}: has smaller levels; strips have none")

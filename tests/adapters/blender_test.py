@@ -18,7 +18,8 @@ with tempfile.TemporaryDirectory() as folder:
     words = [made, folder, sources]
     script = str(here / "blender_inside.py")
     command = [*python, script, *words] if python else [blender, "-b", "--factory-startup", "-noaudio", "--python", script, "--", *words]
-    environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "BLENDER_USER_RESOURCES": f"{folder}/profile", "BLENDER_USER_CONFIG": f"{folder}/profile/config",
+    # Blender's Python takes the library beside the first python3 on the PATH for its own.
+    environment = {**os.environ, "PATH": f"{tools}:{os.defpath}", "BLENDER_USER_RESOURCES": f"{folder}/profile", "BLENDER_USER_CONFIG": f"{folder}/profile/config",
                    "BLENDER_USER_SCRIPTS": f"{folder}/profile/scripts", "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     lines = done.stdout.splitlines()

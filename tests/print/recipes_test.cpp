@@ -30,7 +30,7 @@ TEST(Recipes, HoldAllOptionsButThoseThatDecideNothingAboutThePicture) {
     // Files, reports, limits, and what is done where something is in the way.
     EXPECT_EQ(names_of(develop),
               (std::set<std::string>{"--help", "FILE", "--output", "--recipe", "--budget", "--simd", "--ignore-space",
-                                     "--skip-duplicates", "--job", "--list-films", "--list-observers"}));
+                                     "--skip-duplicates", "--job", "--samples", "--list-films", "--list-observers"}));
     EXPECT_EQ(names_of(convert), (std::set<std::string>{"--help", "IMAGE", "--output", "--recipe", "--compare", "--gamut-report",
                                                         "--list-observers", "--list-papers", "--list-looks"}));
 }
@@ -76,8 +76,7 @@ TEST_F(Prints, AreMadeAgainFromWhatTheySayOfThemselves) {
           "--dim-fireflies"},
          {"--sensitivity", "2", "--crop", "12,22,60,48", "--gamut", "clip", "--no-dither", "--dpi", "72", "--tiles",
           "--png-tiles"}},
-        {{"--size", "60", "--film", "portra-400", "--push", "1", "--samples", "0:65536"},
-         {"--look", "portrait", "--format", "6x7"}},
+        {{"--size", "60", "--film", "portra-400", "--push", "1"}, {"--look", "portrait", "--format", "6x7"}},
         {{"--size", "75", "--spectral-bins", "10", "--denoise", "--fraction", "0.5"}, {"--observer", "cie1964", "--key", "0.3"}},
     };
     for (const Choice& choice : choices) {

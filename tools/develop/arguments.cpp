@@ -166,8 +166,6 @@ CLI::App& add_decisions(CLI::App& app, PictureOptions& options) {
         ->type_name("NAME=X|FILTER|6500K,...")
         ->allow_extra_args(false);
     add_lens(section, options);
-    cli::add_parsed(section, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
-        ->type_name("A:B");
     cli::add_parsed(section, "--fraction", options.fraction, parse_fraction,
                     "preview: fraction of the samples to develop, in whole runs; each run covers the whole picture")
         ->type_name("0..1");
@@ -212,6 +210,8 @@ void add_inputs(CLI::App& app, PictureOptions& options) {
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
                     "job to develop, if folders hold several (32 hexadecimal digits)")
         ->type_name("ID");
+    cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
+        ->type_name("A:B");
     app.add_flag("--ignore-space", options.ignore_space, "start even if the file is not expected to fit on the disk");
 }
 

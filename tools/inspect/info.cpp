@@ -103,12 +103,23 @@ std::string start_of(std::string_view text) {
     return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMax)), format_size(text.size()));
 }
 
-// An origin without its tables of spectra and names.
-std::string without_lists(const std::string& provenance) {
-    if (!quote_provenance(provenance, kHeaderProvenanceDepth).objection.empty()) return provenance;
-    nlohmann::ordered_json origin = nlohmann::ordered_json::parse(provenance, nullptr, false);
-    if (origin.erase("light_groups") + origin.erase("materials") == 0) return provenance;
-    return json_text(origin, -1);
+// What a file says of its making, a line for each member, without tables of spectra and names and what has a line elsewhere; of a
+// text that is no object of JSON, its start.
+std::vector<std::string> lines_of(const std::string& provenance) {
+    constexpr std::size_t kMax = 64;
+    const bool is_json = quote_provenance(provenance, kHeaderProvenanceDepth).objection.empty();
+    const auto members = is_json ? nlohmann::ordered_json::parse(provenance, nullptr, false) : nlohmann::ordered_json();
+    if (!members.is_object()) return {start_of(provenance)};
+    std::vector<std::string> lines;
+    for (const auto& [name, value] : members.items()) {
+        if (name == "light_groups" || name == "materials" || name == "cpu_seconds") continue;
+        if (lines.size() == kMax) {
+            lines.push_back("... (--json prints more)");
+            break;
+        }
+        lines.push_back(start_of(name + ": " + (value.is_string() ? value.get<std::string>() : json_text(value, -1))));
+    }
+    return lines;
 }
 
 // The lights that the records keep apart, by number; the parts of a merged file say the same.
@@ -266,7 +277,10 @@ std::string to_text(const FileInfo& info) {
              fmt::format("{:<10}{:7.3f} bytes per record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
     const Origin origin = origin_of(info.contents);
-    if (origin.common != "{}") line("origin", start_of(without_lists(origin.common)));
+    if (origin.common != "{}") {
+        const char* title = "origin";
+        for (const std::string& member : lines_of(origin.common)) line(std::exchange(title, ""), member);
+    }
     if (origin.part_count > 0) {
         line("merged", fmt::format("from {}{} (--json lists how they differ)", origin.incomplete ? "at least " : "",
                                    counted(origin.part_count, "part")));
