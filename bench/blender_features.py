@@ -576,22 +576,22 @@ def emission_picture():
     lit_floor()
 
 
+def mix_of(first, second, fac):
+    """A material that mixes two shaders."""
+    made, tree, node = material("MixShader", "Shader", Fac=fac)
+    for i, shader in enumerate((first, second), 1):
+        tree.links.new(tree.nodes.new(f"ShaderNode{shader}").outputs[0], node.inputs[i])
+    return made
+
+
 @feature(2, kind="ball")
 def transparent_mix():
-    made, tree, node = material("MixShader", "Shader", Fac=0.3)
-    matt, clear = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeBsdfTransparent")
-    tree.links.new(clear.outputs[0], node.inputs[1])
-    tree.links.new(matt.outputs[0], node.inputs[2])
-    on_show(made)
+    on_show(mix_of("BsdfTransparent", "BsdfDiffuse", 0.3))
 
 
 @feature(2, kind="ball")
 def mix_of_two():
-    made, tree, node = material("MixShader", "Shader", Fac=0.4)
-    matt, glow = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(matt.outputs[0], node.inputs[1])
-    tree.links.new(glow.outputs[0], node.inputs[2])
-    on_show(made, 0.5)
+    on_show(mix_of("BsdfDiffuse", "Emission", 0.4), 0.5)
 
 
 @feature(2, kind="ball")
