@@ -30,7 +30,6 @@ class Compressor {
             std::longjmp(self.back_, 1);
         };
         errors_.output_message = [](j_common_ptr) {};
-        jpeg_create_compress(&jpeg_);
         jpeg_.client_data = this;
         destination_.init_destination = [](j_compress_ptr jpeg) { self_of(jpeg).new_buffer(); };
         destination_.empty_output_buffer = [](j_compress_ptr jpeg) -> boolean {
@@ -43,7 +42,6 @@ class Compressor {
             Compressor& self = self_of(jpeg);
             self.drain(kBufferSize - self.destination_.free_in_buffer);
         };
-        jpeg_.dest = &destination_;
     }
     ~Compressor() { jpeg_destroy_compress(&jpeg_); }
     Compressor(const Compressor&) = delete;
@@ -59,6 +57,8 @@ class Compressor {
                                      JPEG_MAX_DIMENSION, format_.width, format_.height)};
         }
         return guarded([this] {
+            jpeg_create_compress(&jpeg_);  // which keeps err and client_data alone
+            jpeg_.dest = &destination_;
             jpeg_.image_width = static_cast<JDIMENSION>(format_.width);
             jpeg_.image_height = static_cast<JDIMENSION>(format_.height);
             jpeg_.input_components = format_.channels;
