@@ -39,4 +39,8 @@ std::string counted(std::uint64_t count, std::string_view noun) {
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
+std::string format_samples_per_pixel(double count) {
+    return fmt::format("{} sample{} per pixel", format_count(count), count == 1 ? "" : "s");
+}
+
 }  // namespace latent

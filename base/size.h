@@ -19,4 +19,7 @@ std::string format_count(double count);
 // "1 record", "0 records", "3 records".
 std::string counted(std::uint64_t count, std::string_view noun);
 
+// "1 sample per pixel", "12.3 samples per pixel", "1.35 K samples per pixel".
+std::string format_samples_per_pixel(double count);
+
 }  // namespace latent

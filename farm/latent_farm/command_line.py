@@ -4,7 +4,7 @@ import signal
 import sys
 
 from latent_farm.commands import RUN
-from latent_farm.errors import DONE, FAILED, Failure, Misuse, STOPPED, USAGE
+from latent_farm.errors import DONE, FAILED, Failure, Misuse, STOPPED
 from latent_farm.grammar import make_commands
 from latent_farm.names import shown, without_secrets
 from latent_farm.output import say
@@ -39,8 +39,6 @@ def main(arguments, version):
         return run(arguments, version)
     except Failure as error:
         return fail(str(error), error.status)
-    except argparse.ArgumentError as error:
-        return fail(str(error), USAGE)
     except OSError as error:
         return fail(f"{error.filename}: {error.strerror}" if error.filename else str(error), FAILED)
     except KeyboardInterrupt:

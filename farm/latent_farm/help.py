@@ -13,10 +13,13 @@ class Command:
     def __init__(self, name, about, usage, epilog):
         self.name, self.about, self.usage, self.epilog = name, about, usage, epilog
         self.arguments, self.options, self.commands = [], [], {}
-        self.parser = argparse.ArgumentParser(prog=name, add_help=False, allow_abbrev=False, exit_on_error=False)
+        self.parser = argparse.ArgumentParser(prog=name, add_help=False, allow_abbrev=False)
         self.parser.error = self._misuse
 
     def _misuse(self, message):
+        if message.endswith("expected one argument"):  # argparse takes words with a dash for options
+            option = message.split()[1].removesuffix(":").split("/")[-1]
+            message = f"{option}: a value is missing; one that begins with a dash needs an equals sign, as in {option}=\"--option value\""
         raise Misuse(f"{message} (--help explains)")
 
     def argument(self, name, text, **settings):

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/printable.h"
+#include "base/size.h"
 #include "base/temporary_path.h"
 #include "render/program/report.h"
 #include "tools/convert/convert.h"
@@ -94,8 +95,8 @@ std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
     }
     const std::string print = preview.is_black ? "all black: check where the camera looks and where the lights are"
                                                : fmt::format("printed with -s {:.4g}", preview.sensitivity);
-    return fmt::format("{}: {} x {} pixels, {:.3g} samples per pixel{}, {}\n{}", preview.picture.string(), preview.width,
-                       preview.height, per_pixel, preview.is_denoised ? ", denoised" : "", print,
+    return fmt::format("{}: {} x {} pixels, {}{}, {}\n{}", preview.picture.string(), preview.width, preview.height,
+                       format_samples_per_pixel(per_pixel), preview.is_denoised ? ", denoised" : "", print,
                        to_text(preview.forecast, job, false));
 }
 

@@ -97,9 +97,9 @@ std::string to_text(const UntilNoiseReport& report, const NoiseTarget& target, c
         return json_text(out) + "\n";
     }
     if (!report.noise) return rendered;
-    return fmt::format("{}noise {:#.3g} %, of 5 % of the pixels more than {:#.3g} %, with {} samples per pixel; measured in {}\n",
-                       rendered, 100 * report.noise->relative.median, 100 * report.noise->relative.p95,
-                       format_count(report.noise->samples_per_pixel), format_duration(report.measuring_seconds));
+    return fmt::format("{}noise {:#.3g} %, of 5 % of the pixels more than {:#.3g} %, with {}; measured in {}\n", rendered,
+                       100 * report.noise->relative.median, 100 * report.noise->relative.p95,
+                       format_samples_per_pixel(report.noise->samples_per_pixel), format_duration(report.measuring_seconds));
 }
 
 }  // namespace latent::render

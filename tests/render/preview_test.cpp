@@ -42,7 +42,7 @@ TEST_F(PreviewTest, APictureIsAllThatItLeavesAndTheNextOneTakesItsPlace) {
     for (int again = 0; again < 2; ++again) {
         const Outcome outcome = render({"--resolution", "60x60", "--spp", "1", "--preview", "60"});  // done long before
         ASSERT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 60 x 60 pixels, 1 samples per pixel, denoised"));
+        EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 60 x 60 pixels, 1 sample per pixel, denoised"));
         EXPECT_THAT(outcome.out, HasSubstr("scene: 24 triangles, 1 quadric\n3600 samples would take"));
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
         EXPECT_EQ(png_size("p.preview.png"), (std::pair{60u, 60u}));

@@ -85,7 +85,7 @@ Status add_proof(const std::string& path, const Rendering& rendering, Display& d
     if (display.device || !display.space.rgb_from_xyz.invertible())
         return usage_error("--proof: needs a display with primaries and a known curve, such as --profile srgb");
     const Result<lcms::Profile> profile = lcms::open_profile(path);
-    if (!profile) return profile.error();
+    if (!profile) return profile.error().at("--proof");
     const auto proof = proof_of(profile->get(), display.space, rendering);
     if (!proof) return proof.error().at(path);
     const auto gamut = gamut_of(profile->get(), rendering);

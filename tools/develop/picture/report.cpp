@@ -70,7 +70,7 @@ std::string to_text(const PictureReport& r) {
         fmt::format("{}: {} x {} pixels of {} x {}, {}, {}; {} camera and {} light records, samples {}\n", r.output, r.crop.width(),
                     r.crop.height(), r.width, r.height, r.filter, r.observer.empty() ? "in spectral bins" : r.observer,
                     c.camera_records, c.light_records, to_string(r.coverage));
-    text += fmt::format("{} samples per pixel{}\n", format_count(r.samples_per_pixel()),
+    text += fmt::format("{}{}\n", format_samples_per_pixel(r.samples_per_pixel()),
                         r.size_chosen ? "" : "; choose another size with --size WIDTH");
     text += fmt::format("read {} of {} in {}, {}, decode factor {:.2f}\n", format_size(r.bytes_read), format_size(r.bytes_stored),
                         format_duration(r.seconds), counted(c.regions, "region"), c.decode_factor());
