@@ -264,6 +264,33 @@ def lamp_blackbody():
     tree.links.new(body.outputs[0], tree.nodes["Emission"].inputs["Color"])
 
 
+def with_profile(data):
+    """An IES profile that no turn or mirror image maps to itself."""
+    down, around = range(0, 181, 5), range(0, 361, 10)
+    values = [200 + 150 * math.cos(math.radians(v)) + 100 * math.sin(math.radians(v)) * (math.cos(math.radians(h)) + 0.5 * math.sin(math.radians(2 * h + 30)))
+              for h in around for v in down]
+    numbers = [1, -1, 1.5, len(down), len(around), 1, 2, 0, 0, 0, 0.9, 1, 50, *down, *around, *values]
+    text = bpy.data.texts.new("profile")
+    text.write("IESNA:LM-63-2002\nTILT=NONE\n" + "\n".join(f"{number:.6g}" for number in numbers) + "\n")
+    data.use_nodes = True
+    node = data.node_tree.nodes.new("ShaderNodeTexIES")
+    node.mode, node.ies = "INTERNAL", text
+    node.inputs["Strength"].default_value = 0.5
+    data.node_tree.links.new(node.outputs[0], data.node_tree.nodes["Emission"].inputs["Strength"])
+
+
+@feature(1)
+def lamp_profile():
+    lit_floor()
+    with_profile(lamp("POINT", 10, shadow_soft_size=0, rotation=(0.5, 0.3, 0.7)).data)
+
+
+@feature(1, "" if NEW else "Cycles 3.4 multiplies a spot by the cosine from its axis; 4.0 and Latent do not")
+def spot_profile():
+    lit_floor()
+    with_profile(lamp("SPOT", 10, shadow_soft_size=0, spot_size=1.2, spot_blend=0.4).data)
+
+
 # ----- worlds
 
 
@@ -677,6 +704,31 @@ def volume_scatter():
     tree.links.remove(tree.nodes["Material Output"].inputs["Surface"].links[0])
     tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
     on_show(made)
+
+
+@feature(2, "" if NEW else "Cycles 3.4 places voxels half a voxel aside", kind="ball")
+def volume_of_voxels():
+    try:
+        import openvdb  # of bpy
+    except ImportError:
+        import pyopenvdb as openvdb
+    x, y, z = (np.mgrid[:40, :40, :40] - 19.5) / 20
+    grid = openvdb.FloatGrid()
+    grid.copyFromArray(np.maximum(0, 1 - x**2 - (y - 0.2 * z) ** 2 - z**2).astype(np.float32))
+    grid.name, grid.gridClass = "density", openvdb.GridClass.FOG_VOLUME
+    grid.transform = openvdb.createLinearTransform(voxelSize=0.05)
+    path = bpy.context.scene.latent.folder + "/cloud.vdb"
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    openvdb.write(path, grids=[grid])
+    bpy.ops.object.volume_import(filepath=path, location=(-1, -1, -1))
+    made, tree, node = material("VolumePrincipled", "Volume", Color=(0.8, 0.6, 0.4, 1), Density=3.0, Anisotropy=0.3)
+    tree.links.remove(tree.nodes["Material Output"].inputs["Surface"].links[0])
+    tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    put(made)
+    in_front(4.6)
+    sky(0.02)
+    lamp("SUN", 2, angle=0, rotation=(0.8, 0.3, 0))
+    bpy.context.scene.cycles.volume_step_rate = 0.2
 
 
 @feature(10, "Latent's wanders below a surface; Cycles' has none", kind="ball")

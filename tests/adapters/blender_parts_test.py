@@ -23,7 +23,7 @@ def part(name):
 
 
 pbrt, ply, exr, tools, job, develop = (part(name) for name in ("export.pbrt", "export.ply", "exr", "tools", "job", "develop"))
-nodes, spectra, curves = part("export.nodes"), part("export.spectra"), part("export.curves")
+nodes, spectra, curves, ies = part("export.nodes"), part("export.spectra"), part("export.curves"), part("export.ies")
 
 
 def tool(name, *words):
@@ -231,6 +231,39 @@ class Spectra(unittest.TestCase):
             file.write("nm,reflectance\n500,0.5\n400,0.25\n")
             file.flush()
             self.assertEqual(spectra.table(file.name), [400.0, 0.25, 500.0, 0.5])
+
+
+def profile(down, around, value, head="TILT=NONE", kind=1):
+    """A file of the intensities value(down, around), which its factors double."""
+    numbers = [1, -1, 1.25, len(down), len(around), kind, 2, 0, 0, 0, 2, 0.8, 50, *down, *around, *(value(d, a) for a in around for d in down)]
+    return "IESNA:LM-63-2002\r\n[MAKE] none\r\n" + head + "\r\n" + "\r\n".join(f"{number:.9g}" for number in numbers)
+
+
+class Profiles(unittest.TestCase):
+    def test_a_lamp_of_lambert_has_its_flux(self):
+        rows = ies.Profile(profile(range(0, 91), [0], lambda d, _: 1000 * np.cos(np.radians(d)))).picture()
+        areas = np.sin((np.arange(ies.HEIGHT) + 0.5) * np.pi / ies.HEIGHT)
+        mean = (rows.mean(1) * areas).sum() / areas.sum()
+        self.assertAlmostEqual(4 * np.pi * mean / (2 * np.pi * 1000), 1, delta=1e-3)
+        self.assertEqual(rows[ies.HEIGHT // 2 + 1 :].max(), 0)  # upwards
+
+    def test_part_of_a_circle_means_its_mirror_images(self):
+        down = range(0, 181, 10)
+        for last, fold in ((90, lambda a: min(a % 180, 180 - a % 180)), (180, lambda a: min(a, 360 - a))):
+            shape = lambda d, a: 100 + d + a * d  # noqa: E731
+            part = ies.Profile(profile(down, range(0, last + 1, 30), shape)).picture()
+            whole = ies.Profile(profile(down, range(0, 361, 30), lambda d, a: shape(d, fold(a)))).picture()
+            np.testing.assert_allclose(part, whole, rtol=1e-5)
+
+    def test_a_tilted_lamp_is_that_without_its_tilt(self):
+        plain = profile([0, 90, 180], [0], lambda d, _: 5.0 + d)
+        np.testing.assert_array_equal(ies.Profile(plain.replace("NONE", "INCLUDE\r\n1\r\n2\r\n0 90\r\n1 0.9")).picture(), ies.Profile(plain).picture())
+
+    def test_what_is_no_profile_is_refused(self):
+        good = profile([0, 90], [0], lambda d, _: 5.0)
+        for text in ("", "TILT=NONE\n1 2 x", profile([0, 90], [0], lambda d, _: 5.0, kind=2), good[:-3], profile([90, 0], [0], lambda d, _: 5.0)):
+            with self.assertRaises((ValueError, IndexError)):
+                ies.Profile(text)
 
 
 class Curves(unittest.TestCase):

@@ -2,10 +2,12 @@
 import math
 
 import bpy
+import numpy as np
 
-from . import spectra
+from . import ies, spectra
 from .nodes import Graph, is_constant
 from .pbrt import directive, matrix
+from .pictures import pfm
 
 
 def group(settings, owner):
@@ -16,34 +18,49 @@ def group(settings, owner):
 
 
 def strength(lamp, report):
-    """The colour of a lamp: its own times that of its nodes; and the name of a file of IES, which is not read here."""
+    """The colour of a lamp: its own times that of its nodes; and the profile of an IES texture, or None."""
     color = list(lamp.color)
     if getattr(lamp, "use_temperature", False):
         color = [c * t for c, t in zip(color, lamp.temperature_color)]
     factor = 2.0 ** getattr(lamp, "exposure", 0.0)
     color = [c * factor for c in color]
     if not lamp.use_nodes or not lamp.node_tree:
-        return color
+        return color, None
     lost = lambda what: report.lost(f"lamp {lamp.name}", what)  # noqa: E731
     graph = Graph(lamp.node_tree, lost)
     output = next((node for node in lamp.node_tree.nodes if node.type == "OUTPUT_LIGHT" and node.is_active_output), None)
     found = graph.source(output.inputs["Surface"]) if output else None
     if not found or found[0].type != "EMISSION":
         lost("its nodes are ignored: no Emission leads to the output")
-        return color
+        return color, None
     node = found[0]
-    values = [graph.of(node, "Color"), graph.of(node, "Strength")]
+    texture = graph.source(node.inputs["Strength"])
+    profile = read_profile(graph, texture[0], lost) if texture and texture[0].type == "TEX_IES" else None
+    values = [graph.of(node, "Color"), graph.of(texture[0] if profile else node, "Strength")]
     if not is_constant(*values):
         lost("a texture of its nodes is ignored")
-        return color
-    return [c * n * values[1].number() for c, n in zip(color, values[0].rgb)]
+        return color, None
+    return [c * n * values[1].number() for c, n in zip(color, values[0].rgb)], profile
 
 
-def export(owner, pose, name, report, radius_of_scene, center, sees):
+def read_profile(graph, node, lost):
+    if node.inputs["Vector"].is_linked:
+        lost("the coordinates of its IES profile are its own")
+    try:
+        if node.mode == "INTERNAL":
+            return ies.Profile(node.ies.as_string() if node.ies else "")
+        with open(bpy.path.abspath(node.filepath), encoding="latin-1") as file:
+            return ies.Profile(file.read())
+    except (OSError, ValueError, IndexError) as error:
+        lost(f"its IES profile is left out: {error}")
+        return None
+
+
+def export(owner, pose, name, report, files, radius_of_scene, center, sees):
     """Directives of a lamp at `pose`. `sees(center, radius)`: whether a ball may be in the picture."""
     lamp = owner.data
     settings = lamp.latent
-    color = strength(lamp, report)
+    color, profile = strength(lamp, report)
     if lamp.energy == 0 or max(color) <= 0:
         return []
     if lamp.energy < 0 or min(color) < 0:
@@ -52,14 +69,16 @@ def export(owner, pose, name, report, radius_of_scene, center, sees):
     lost = lambda what: report.lost(f"lamp {owner.name}", what)  # noqa: E731
     if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
         lost("it casts shadows")
-    lines = MAKERS[lamp.type](Lamp(lamp, settings, color, name, lost, radius_of_scene, center, sees), pose)
+    if profile and lamp.type in ("SUN", "AREA"):
+        lost("its IES profile is left out: only points and spots have one")
+    lines = MAKERS[lamp.type](Lamp(lamp, settings, color, profile, name, lost, files, radius_of_scene, center, sees), pose)
     return ["AttributeBegin", *lines, "AttributeEnd"]
 
 
 class Lamp:
-    def __init__(self, lamp, settings, color, name, lost, radius_of_scene, center, sees):
-        self.lamp, self.settings, self.color, self.name, self.lost = lamp, settings, color, name, lost
-        self.radius_of_scene, self.center, self.sees = radius_of_scene, center, sees
+    def __init__(self, lamp, settings, color, profile, name, lost, files, radius_of_scene, center, sees):
+        self.lamp, self.settings, self.color, self.profile, self.name, self.lost = lamp, settings, color, profile, name, lost
+        self.files, self.radius_of_scene, self.center, self.sees = files, radius_of_scene, center, sees
 
     def source(self, kind, key, scale, word="LightSource", **more):
         spectrum, factor = spectra.lamp(self.settings, key, self.color)
@@ -72,6 +91,16 @@ class Lamp:
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more), shape(hidden)]
 
 
+    def by_direction(self, pose, share=1.0):
+        """A lamp with a profile. `share`: another factor, by row."""
+        if self.lamp.shadow_soft_size > 1e-6:
+            self.lost("a lamp with an IES profile has no size: its shadows are sharp")
+        picture = ies.WATTS * self.profile.picture() * np.reshape(share, (-1, 1))
+        place = [[row[i] for i in (0, 2, 1, 3)] for row in at(pose)]  # pbrt exchanges y and z of these lights
+        return [matrix(place), self.source("goniometric", "I", self.lamp.energy / (4 * math.pi),
+                                              **{"string filename": self.files.written(pfm(picture[..., None]), ".pfm")})]
+
+
 def at(pose):
     """Without a scale, which lamps ignore but for areas."""
     place = pose.to_quaternion().to_matrix().to_4x4()
@@ -81,6 +110,8 @@ def at(pose):
 
 def point(lamp, pose):
     radius, watts = lamp.lamp.shadow_soft_size, lamp.lamp.energy
+    if lamp.profile:
+        return lamp.by_direction(pose)
     if radius < 1e-6:
         return [matrix(at(pose)), lamp.source("point", "I", watts / (4 * math.pi))]
     sphere = lambda hidden: directive("Shape", "sphere", **{"float radius": radius, **hidden})  # noqa: E731
@@ -89,10 +120,14 @@ def point(lamp, pose):
 
 def spot(lamp, pose):
     """The edge is a smoothstep of the cosine, as pbrt's."""
-    if lamp.lamp.shadow_soft_size > 1e-6:
-        lamp.lost("a spot lamp has no size: its shadows are sharp")
     outer = math.cos(lamp.lamp.spot_size / 2)
     inner = outer + (1 - outer) * lamp.lamp.spot_blend
+    if lamp.profile:
+        height = (np.cos((np.arange(ies.HEIGHT) + 0.5) * math.pi / ies.HEIGHT) - outer) / max(inner - outer, 1e-6)
+        rise = np.clip(height, 0, 1)
+        return lamp.by_direction(pose, rise * rise * (3 - 2 * rise))
+    if lamp.lamp.shadow_soft_size > 1e-6:
+        lamp.lost("a spot lamp has no size: its shadows are sharp")
     cone = lamp.lamp.spot_size / 2
     return [matrix(at(pose)), lamp.source("spot", "I", lamp.lamp.energy / (4 * math.pi),
                                           **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0], "float coneangle": math.degrees(cone),

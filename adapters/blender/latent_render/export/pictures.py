@@ -47,13 +47,16 @@ class Files:
                     self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
             return disk
         if image.name_full not in self.known:
-            os.makedirs(self.folder, exist_ok=True)
             self.known[image.name_full] = self.packed(image) if image.packed_file and not image.is_dirty else self.drawn(image, unknown)
         return self.known[image.name_full]
 
     def packed(self, image):
-        data = bytes(image.packed_file.data)
-        path = os.path.join(self.folder, hashlib.blake2b(data, digest_size=12).hexdigest() + EXTENSIONS.get(image.file_format, ".png"))
+        return self.written(bytes(image.packed_file.data), EXTENSIONS.get(image.file_format, ".png"))
+
+    def written(self, data, extension):
+        """The path of a file with this content."""
+        os.makedirs(self.folder, exist_ok=True)
+        path = os.path.join(self.folder, hashlib.blake2b(data, digest_size=12).hexdigest() + extension)
         with open(path, "wb") as file:
             file.write(data)
         return path
@@ -63,12 +66,8 @@ class Files:
             raise unknown(f"image {image.name}, which is empty")
         pixels = np.empty(len(image.pixels), np.float32)
         image.pixels.foreach_get(pixels)
-        digest = hashlib.blake2b(pixels.data, digest_size=12).hexdigest()
-        path = os.path.join(self.folder, digest + (".pfm" if image.is_float else ".png"))
         rows = pixels.reshape(image.size[1], image.size[0], -1)
-        with open(path, "wb") as file:
-            file.write(pfm(rows) if image.is_float else png(rows))
-        return path
+        return self.written(pfm(rows), ".pfm") if image.is_float else self.written(png(rows), ".png")
 
 
 # Blender's own writers encode colours, and change its data while it renders.

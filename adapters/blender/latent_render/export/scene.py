@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import camera, curves, lamps, materials, mesh, world
+from . import camera, curves, lamps, materials, mesh, volumes, world
 from .pbrt import Document, directive, matrix
 from .pictures import Files
 from .report import Report
@@ -75,7 +75,7 @@ class Exporter:
         integrator = directive("Integrator", "bdpt" if self.settings.integrator == "BDPT" else "volpath", **{"integer maxdepth": depth})
         self.document.head += [camera.film(self.scene), *lines, integrator]
         for owner, pose, name in self.lamps:
-            from_lamp = lamps.export(owner, pose, name, self.report, radius, center, lambda *ball: camera.sees(self.scene, view, *ball))
+            from_lamp = lamps.export(owner, pose, name, self.report, self.files, radius, center, lambda *ball: camera.sees(self.scene, view, *ball))
             self.part(f"lamp {owner.name}", from_lamp)
             self.document.body += from_lamp
         lines = world.export(self.scene.world, self.files, self.portals, self.report, self.bake)
@@ -125,8 +125,13 @@ class Exporter:
                 if closed and closed.get(self.key(instance)) not in (None, opened.get(self.key(instance))):
                     self.report.lost(f"lamp {owner.name}", "its motion is left out")
         elif owner.type in MESHES or owner.type in ("CURVES", "VOLUME", "POINTCLOUD"):
-            if owner.type in ("VOLUME", "POINTCLOUD"):
-                self.report.lost(f"object {owner.name}", f"{owner.type.lower()} is left out")
+            if owner.type == "POINTCLOUD":
+                self.report.lost(f"object {owner.name}", "a point cloud is left out")
+                return
+            if owner.type == "VOLUME":
+                lines = volumes.voxels(owner, instance.matrix_world, os.path.join(self.folder, "volumes"), self.report)
+                self.part(f"object {owner.name}", lines)
+                self.document.body += lines
                 return
             if instance.show_self:
                 self.add_shape(instance, owner, opened, closed)

@@ -1,15 +1,27 @@
-"""What fills a closed surface. Only constants: pbrt's homogeneous medium."""
-from .nodes import is_constant
+"""What fills a closed surface, and clouds of voxels: pbrt's homogeneous and nanovdb media. Coefficients are constants."""
+import hashlib
+import os
+import shutil
+import subprocess
+
+from .nodes import Graph, Unknown, is_constant
+from .pbrt import directive, matrix
+
+CONVERTER = "nanovdb_convert"  # of Debian's libnanovdb-tools
 
 
 def medium(document, output, graph):
+    parameters = coefficients(output, graph)
+    return parameters and document.medium("homogeneous", parameters)
+
+
+def coefficients(output, graph):
+    """Parameters of a medium, or None."""
     socket = output.inputs["Volume"]
-    if not socket.is_linked:
-        return None
-    return graph.follow(socket, lambda node, _: of_node(document, graph, node), lambda _: None)
+    return graph.follow(socket, lambda node, _: of_node(graph, node), lambda _: None) if socket.is_linked else None
 
 
-def of_node(document, graph, node):
+def of_node(graph, node):
     if node.type not in MEDIA:
         graph.lost(f"volume {node.bl_label} is left out")
         return None
@@ -21,7 +33,64 @@ def of_node(document, graph, node):
             graph.lost("emission of a volume that absorbs nothing is left out")
         else:
             parameters["rgb Le"] = [e / a for e, a in zip(emit, absorb)]
-    return document.medium("homogeneous", parameters)
+    return parameters
+
+
+def voxels(owner, pose, folder, report):
+    """Lines of a volume object: its densities times what its Principled Volume says of density 1, in a box that nothing else sees."""
+    lost = lambda what: report.lost(f"object {owner.name}", what)  # noqa: E731
+    material = next((slot.material for slot in owner.material_slots if slot.material), None)
+    tree = material and material.node_tree
+    output = tree and next((node for node in tree.nodes if node.type == "OUTPUT_MATERIAL" and node.is_active_output), None)
+    graph = tree and Graph(tree, lost)
+    found = output and graph.source(output.inputs["Volume"])
+    if not found or found[0].type != "PRINCIPLED_VOLUME":
+        lost("a volume without a Principled Volume is left out")
+        return []
+    parameters, density = coefficients(output, graph), found[0].inputs["Density Attribute"].default_value
+    try:
+        file = converted(owner, folder)
+    except (OSError, Unknown, subprocess.CalledProcessError) as error:
+        lost(f"its voxels are left out: {error}")
+        return []
+    if parameters.pop("rgb Le", None):
+        lost("the emission of its voxels is left out")
+    name = f"voxels {os.path.basename(file)} {owner.name}"
+    low, high = ([part(corner[i] for corner in owner.bound_box) for i in range(3)] for part in (min, max))
+    corners = [coordinate for z in (0, 1) for y in (0, 1) for x in (0, 1) for coordinate in ((low, high)[x][0], (low, high)[y][1], (low, high)[z][2])]
+    faces = [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5]
+    return ["AttributeBegin", matrix(pose, "ConcatTransform"),
+            directive("MakeNamedMedium", name, **{"string type": "nanovdb", "string filename": file, "string gridname": density, **parameters}),
+            directive("MediumInterface", name, ""), 'Material "interface"',
+            directive("Shape", "trianglemesh", **{"point3 P": corners, "integer indices": faces}), "AttributeEnd"]
+
+
+def converted(owner, folder):
+    """The path of a NanoVDB file with the grids of a volume object."""
+    import bpy
+
+    program = shutil.which(CONVERTER)
+    if not program:
+        raise Unknown(f"{CONVERTER} is not on the PATH (Debian has it in libnanovdb-tools)")
+    grids = owner.data.grids
+    grids.load()
+    path = bpy.path.abspath(grids.frame_filepath or "", library=owner.original.data.library)
+    os.makedirs(folder, exist_ok=True)
+    saved = os.path.join(folder, "unfinished.vdb")
+    if owner.modifiers or not os.path.isfile(path):
+        if not grids.save(saved):
+            raise Unknown(f"its grids cannot be saved: {grids.error_message}")
+        path = saved
+    with open(path, "rb") as file:
+        digest = hashlib.blake2b(file.read(), digest_size=12).hexdigest()
+    made = os.path.join(folder, digest + ".nvdb")
+    if not os.path.exists(made):
+        part = os.path.join(folder, "unfinished.nvdb")
+        subprocess.run([program, "-f", path, part], check=True, capture_output=True)
+        os.replace(part, made)
+    if path == saved:
+        os.remove(saved)
+    return made
 
 
 def color(graph, node, name):

@@ -1,0 +1,38 @@
+"""Photometric profiles (ANSI/IES LM-63): the intensity of a lamp by direction. Needs no Blender."""
+import re
+
+import numpy as np
+
+WATTS = 4 * np.pi / 177.83  # a candela in Cycles' unit of lamps: light of D65 has 177.83 lm / W
+HEIGHT = 256
+
+
+class Profile:
+    """`down`: angles from -z in degrees; `around`: angles about it; `intensity[around, down]` in candela. ValueError: it is not such a file."""
+
+    def __init__(self, text):
+        found = re.search(r"^TILT\s*=\s*(\S+)[^\n]*\n(.*)", text.replace("\r", "\n"), re.M | re.S)
+        if not found:
+            raise ValueError("has no line TILT=")
+        numbers = [float(word) for word in found[2].replace(",", " ").split()]
+        if found[1].upper() == "INCLUDE":
+            numbers = numbers[2 + 2 * int(numbers[1]) :]
+        factor, downs, arounds, kind = numbers[2] * numbers[10] * numbers[11], int(numbers[3]), int(numbers[4]), int(numbers[5])
+        angles, values = numbers[13 : 13 + downs + arounds], numbers[13 + downs + arounds :][: downs * arounds]
+        if kind != 1:
+            raise ValueError("has angles of type A or B")
+        if min(downs, arounds) < 1 or len(values) < downs * arounds:
+            raise ValueError("ends too early")
+        self.down, self.around = np.array(angles[:downs]), np.array(angles[downs:])
+        self.intensity = factor * np.array(values).reshape(arounds, downs)
+        if (np.diff(self.down) <= 0).any() or (np.diff(self.around) <= 0).any() or not np.isfinite(self.intensity).all():
+            raise ValueError("has angles that do not rise, or values that are no numbers")
+
+    def picture(self):
+        """Longitude and latitude, as pbrt's goniometric lights have it: rows from -z up, columns from +x towards +y."""
+        down = (np.arange(HEIGHT) + 0.5) * 180 / HEIGHT
+        turned = (270 - (np.arange(2 * HEIGHT) + 0.5) * 180 / HEIGHT) % 360
+        # A file of part of the circle means its mirror images too.
+        folded = {0: 0 * turned, 90: np.minimum(turned % 180, 180 - turned % 180), 180: np.minimum(turned, 360 - turned)}.get(self.around[-1], turned)
+        rows = np.array([np.interp(down, self.down, row, 0, 0) for row in self.intensity])
+        return np.array([np.interp(folded, self.around, column) for column in rows.T], np.float32)
