@@ -583,7 +583,7 @@ def glass_smooth():
     on_show(material("BsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0, IOR=1.5)[0])
 
 
-@feature(2, "" if NEW else "the cause is not known; 4.3 and 5.0 agree", kind="ball")
+@feature(2, "" if NEW else "Cycles 3.4 takes Fresnel's reflectance at the surface's normal, 4.3 and Latent at that of each facet", kind="ball")
 def glass_rough():
     made, _, node = material("BsdfGlass", Color=(1, 1, 1, 1), Roughness=0.3, IOR=1.5)
     node.distribution = "GGX"
