@@ -168,7 +168,7 @@ std::string missing_command(const CLI::App& app, const std::vector<std::string>&
                        near.empty() ? "choose from " + list : fmt::format("did you mean {}?", near));
 }
 
-// Of an argument that nobody knows: "unknown argument --preveiw (did you mean --preview?)".
+// What to say about an argument that nobody knows: "unknown argument --preveiw (did you mean --preview?)".
 std::string unknown_argument(const CLI::App& app, const std::string& argument) {
     std::vector<std::string> names;
     const auto add_names = [&names](const CLI::App* command) {

@@ -13,7 +13,7 @@ namespace latent {
 
 namespace {
 
-// Of a file that holds a number of bytes; another text ("max") is no limit.
+// The number of bytes that a file holds. Any other text ("max") is no limit.
 std::uint64_t limit_in(const std::filesystem::path& file) {
     std::uint64_t bytes = 0;
     return std::ifstream(file) >> bytes ? bytes : std::numeric_limits<std::uint64_t>::max();

@@ -14,7 +14,7 @@ namespace latent {
 inline constexpr int kRecipeVersion = 1;
 inline constexpr std::size_t kLongestRecipe = 60000;  // bytes; the comment of a JPEG holds no more than 65533
 
-// Of a tool each, in the order in which light passes through them.
+// One section for each tool, in the order in which light passes through them.
 inline constexpr std::string_view kRecipeSections[] = {"develop", "convert"};
 
 // {"latent-recipe": 1, "develop": {"size": 2048, "light": ["lamp=2.5", "sky=0.3"]}, "convert": {"tiles": true}}: sections, whose

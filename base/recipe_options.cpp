@@ -122,7 +122,7 @@ Recipe type_schema(const Recipe& type) {
     return schema;
 }
 
-// Of one value of the option.
+// What one value of the option may be.
 Recipe scalar_schema(const CLI::Option& option) {
     if (is_flag_of_numbers(option)) return type_schema(Recipe::array({"boolean", "number"}));
     if (is_flag(option)) return type_schema("boolean");
@@ -153,7 +153,7 @@ Recipe schema_of(const CLI::Option& option) {
     return schema;
 }
 
-// Of an object with these members and no others.
+// An object may have these members and no others.
 Recipe object_schema(const Recipe& members) {
     Recipe schema = type_schema("object");
     schema["additionalProperties"] = false;

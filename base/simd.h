@@ -9,7 +9,7 @@
 
 namespace latent {
 
-// Of "sse4.2", "avx", "avx2" and "avx512", or "neon": those that this processor has, slowest first.
+// Those of "sse4.2", "avx", "avx2" and "avx512", or of "neon", that this processor has, slowest first.
 std::vector<std::string_view> simd_levels();
 
 // `asked` where it is one of `offered`, `best` where it is "best". Errors: kUsage, listing what is offered.

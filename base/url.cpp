@@ -7,7 +7,7 @@ namespace latent {
 
 namespace {
 
-// Of "http" and "https", in capitals or not [RFC3986 3.1]: the place after it; 0: neither.
+// The place after "http:" or "https:", in capitals or not [RFC3986 3.1]; 0 if the text begins with neither.
 std::size_t end_of_scheme(const std::string& text) {
     for (const std::string_view scheme : {"http:", "https:"}) {
         const bool same = text.size() >= scheme.size() &&

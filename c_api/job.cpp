@@ -13,7 +13,7 @@ namespace {
 
 using namespace sampledb;
 
-// Of a sample with one record that is as large as it can be.
+// The size of a sample that has one record, as large as it can be.
 std::uint64_t bytes_per_sample(const Job& job) {
     return sizeof(RecordClass) + decoded_page_size(job, RecordClass::kCamera, 1, job.batch);
 }

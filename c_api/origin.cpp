@@ -9,7 +9,7 @@ namespace latent::c {
 
 namespace {
 
-// Of elements that are texts, or objects with a name; "" for others.
+// Elements that are texts, and the names of those that are objects; "" for others.
 std::vector<std::string> names_in(std::string_view array) {
     std::vector<std::string> names;
     for_each_element(array, [&](std::string_view element) {

@@ -28,7 +28,7 @@ class LuminanceHistogram {
  private:
     static constexpr std::size_t kLanes = 4;
     std::uint64_t bin(std::size_t index) const;
-    // Of the value of this rank among all, `below` of which are not positive.
+    // The luminance of this rank among all values, of which the first `below` are not positive.
     double luminance_of_rank(double rank, std::uint64_t below) const;
     void settle();
 

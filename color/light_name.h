@@ -15,7 +15,7 @@ bool is_temperature(std::string_view text);
 // Kelvin. Errors: kUsage outside 1000..25000 K.
 Result<double> parse_temperature(std::string_view text);
 
-// The spectrum, of any scale; of a temperature that of daylight from 4000 K on, of a blackbody below. Errors: kNotFound; kUsage for
+// The spectrum, at any scale. A temperature means daylight from 4000 K on, and a blackbody below. Errors: kNotFound; kUsage for
 // temperatures as above.
 Result<Spectrum> light_by_name(std::string_view text);
 

@@ -12,7 +12,7 @@
 namespace latent::color {
 namespace {
 
-// Of numbers known to be good.
+// The numbers must be known to be good.
 Spectrum clamped(std::vector<double> lambda_nm, std::vector<double> value) {
     auto s = Spectrum::from_samples(std::move(lambda_nm), std::move(value), Outside::kClamped);
     assert(s);

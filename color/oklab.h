@@ -11,7 +11,7 @@ struct Oklab {
     double hue_degrees() const;  // -180..180
 };
 
-// Of XYZ whose white is D65 with Y = 1. Check: (0.950, 1, 1.089) is (1, 0, 0), (1, 0, 0) is (0.450, 1.236, -0.019).
+// `c` is relative to D65 with Y = 1. Check: (0.950, 1, 1.089) is (1, 0, 0), (1, 0, 0) is (0.450, 1.236, -0.019).
 Oklab oklab_from_xyz(Xyz c);
 
 }  // namespace latent::color

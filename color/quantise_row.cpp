@@ -51,7 +51,7 @@ HWY_INLINE V dither_of(const QuantiseRowConstants& c, V level, float most, std::
     if constexpr (kDither == Dither::kBlue) return hn::LoadU(d, c.blue_rows[kChannel] + (x0 + c.blue_x[kChannel]) % kBlueNoiseSize);
     const V h = fraction(hn::ShiftRight<10 * kChannel>(hash));
     if constexpr (kDither == Dither::kRandom) return h;
-    // Of two codes where these are there: half a code from the ends it would be cut off, and change the mean.
+    // Noise two codes wide, except half a code from the ends, where it would be cut off and change the mean.
     const V both = hn::Sub(hn::Add(h, fraction(hn::ShiftRight<10 * kChannel>(second))), constant(0.5F));
     return hn::IfThenElse(hn::And(hn::Ge(level, constant(0.5F)), hn::Le(level, constant(most - 0.5F))), both, h);
 }

@@ -24,7 +24,7 @@ struct ExposedFilm {
 
 // What the header says of the picture.
 struct ExrImage {
-    Rect data_window;         // pixels that the file stores; of the chosen mip level
+    Rect data_window;         // pixels that the file stores at the chosen mip level
     Rect display_window;      // the whole picture, in the same coordinates
     int block_width = 0;      // pixels are compressed in blocks of this size that start at the data window's corner:
     int block_height = 0;     // tiles, or some whole rows
@@ -53,7 +53,7 @@ class ExrReader {
     // Channels: R, G, B; or X, Y, Z; or Y; half or float. Errors: kNotFound, kIo, kCorrupt, kForeign (not an EXR), kUnsupported
     // (deep, subsampled or other channels, DWA), kUsage (no such level or layer).
     static Result<ExrReader> open(const std::filesystem::path& path, const ExrChoice& choice = {});
-    // Of a file that is open, perhaps without a name; errors call it `path`.
+    // Reads a file that is open, perhaps without a name. Errors call it `path`.
     static Result<ExrReader> open(std::shared_ptr<const latent::File> file, const std::filesystem::path& path,
                                   const ExrChoice& choice = {});
     ExrReader(ExrReader&&) noexcept;

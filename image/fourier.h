@@ -17,7 +17,7 @@ class SquareFourier {
     // Back, times size^2.
     void inverse(float* re, float* im) const;
 
-    // Of the place of a frequency in that order: where its negative is, and the frequency (0 .. size - 1).
+    // `place`: that of a frequency in that order. The place of its negative; the frequency itself (0 .. size - 1).
     static int negative(int place);
     int frequency(int place) const;
 

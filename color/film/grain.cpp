@@ -72,7 +72,7 @@ std::uint64_t key_of(std::uint64_t seed, std::uint64_t layer, int level) {
 
 constexpr std::int64_t floor_half(std::int64_t v) { return v >> 1; }
 
-// Of the sheet that stands for films whose own was not published.
+// The shape from the sheet that stands for films whose own was not published.
 Columns shape_for(const Material& film) {
     return common_table(film.positive() ? "kodak_ektachrome_100d.grain" : "kodak_5219.grain");
 }
@@ -95,7 +95,7 @@ Reading reading_of(const Stock& film, const Curve& weights, const Triple& amount
 
 Triple amounts_of_grey(const Stock& film, double h) { return film.amounts({h, h, h}); }
 
-// Of the exposure that is as dense for the eye as the base and `above_base`.
+// The dyes of the exposure whose density for the eye is that of the base plus `above_base`.
 Triple visual_amounts(const Stock& film, const Curve& visual, double above_base) {
     const double wanted = reading_of(film, visual, film.min_amounts()).density + above_base;
     double light = film.log_exposures().front(), dark = film.log_exposures().back();
@@ -132,7 +132,7 @@ Result<std::array<Table1, 3>> granularity(const Material& film, double pushed) {
     const Columns shape = *own ? **own : shape_for(film);
     const Columns shape_curves = common_table(film.positive() ? "kodak_ektachrome_100d.curves" : "kodak_5219.curves");
     const Triple base = stock->integral_density(stock->min_amounts());
-    // Of an amount of dye, in a grey: its densities by layer have the squares of the sheet, to which all dyes add.
+    // The granularity of layer c at an amount of dye, in a grey: its squares add up, over all dyes, to those of the sheet.
     const auto plain = [&](std::size_t c, double amount) {
         const Triple grey = amounts_of_grey(*stock, stock->exposure_for(c, amount));
         std::array<Triple, 3> added{};
@@ -218,7 +218,7 @@ GrainField::Cells GrainField::fill_cells(std::uint64_t layer, const Cells& wante
             float* upper = &scratch.fine[static_cast<std::size_t>(2 * y - to.y0) * to.width()];
             float* lower = upper + to.width();
             for (std::int64_t x = used.x0; x <= used.x1; ++x) {
-                // Of variance 1 as children; the sum of four independent halves.
+                // Children have variance 1: each is the sum of four independent halves.
                 const auto [a, b, c, unused] = counts(key, x, y).n;
                 const float half = 0.5F * parents[x - used.x0];
                 std::int64_t i = 2 * (x - used.x0);

@@ -13,17 +13,17 @@ namespace latent::film {
 struct Coupling {
     double adjacent = 0, far = 0;
 
-    // Of two layers, 0 to 2; 0 of a layer and itself.
+    // How much two layers (0 to 2) influence each other; 0 for a layer and itself.
     double between(std::size_t a, std::size_t b) const { return a == b ? 0 : a + b == 2 ? far : adjacent; }
 };
 
 class Stock {
  public:
-    // Of a material in colour. Errors: those of its tables.
+    // `material` must be a colour film or paper. Errors: those of its tables.
     static Result<Stock> make(const Material& material);
 
     const Material& material() const { return material_; }
-    // log10 exposures of the curves, 0.05 apart: [lux s] of camera films; of print materials their own scale.
+    // log10 exposures of the curves, 0.05 apart: in lux s for camera films, on their own scale for print materials.
     const std::vector<double>& log_exposures() const { return h_; }
     const Curve& base() const { return base_; }                   // spectral density without image
     const Curves& dyes() const { return dyes_; }                  // spectral density of a unit amount

@@ -6,8 +6,8 @@
 
 namespace latent::image {
 
-// Of JPEG, GIF and OpenEXR, whose libraries make room when a file is opened: pixels of the picture, or of a tile if that is larger.
-// 0: of other formats, or what cannot be read. Of OpenEXR: whether an attribute is said to be longer than the rest of the file.
+// Pixels of the picture, or of a tile if that is larger, as JPEG, GIF and OpenEXR files say: their libraries make room on opening.
+// 0 for other formats and unreadable files. For OpenEXR also whether an attribute claims to be longer than the rest of the file.
 struct ClaimedSize {
     std::uint64_t width = 0, height = 0;
     bool attribute_overruns = false;

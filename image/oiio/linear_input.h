@@ -56,7 +56,7 @@ class LinearInput final : public OIIO::ImageInput {
 
  private:
     void take_spec();
-    // Of `pixels` from (x, y) on.
+    // Handles the `pixels` from (x, y) on.
     bool finish(bool read, float* values, std::size_t pixels, int x, int y);
 
     std::unique_ptr<OIIO::ImageInput> file_;

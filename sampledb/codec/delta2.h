@@ -7,7 +7,7 @@
 
 namespace latent::sampledb {
 
-// Of each record of `pairs` values the first, then zigzag(b1 - b0), then zigzag(b_i - 2 b_{i-1} + b_{i-2}), all in steps of 2^step.
+// For each record: its first value, zigzag(b1 - b0), then zigzag(b_i - 2 b_{i-1} + b_{i-2}), all in steps of 2^step.
 // `pairs` add up to values.size() and words.size().
 void to_delta2(std::span<const float> values, std::span<const std::uint16_t> pairs, unsigned step, std::span<std::uint32_t> words);
 void from_delta2(std::span<const std::uint32_t> words, std::span<const std::uint16_t> pairs, unsigned step,

@@ -169,7 +169,7 @@ void PageEncoder::encode_luminance(std::span<const float> y) {
 void PageEncoder::encode_crossed(const Job& job, Column number, std::span<const float> values, std::span<const float> y) {
     if (begin_column(number, std::as_bytes(values), 4)) return;
     const std::span<std::uint32_t> words = at_least(words_, values.size());
-    std::uint32_t elsewhere = 0, all = 0;  // bits of values where y is zero; of differences
+    std::uint32_t elsewhere = 0, all = 0;  // bits that are set in values where y is 0, and in all differences
     for (std::size_t i = 0; i < values.size(); ++i) {
         const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[i]), of_y = std::bit_cast<std::uint32_t>(y[i]);
         words[i] = bits - of_y;
@@ -269,7 +269,7 @@ PageInfo PageEncoder::encode(const Job& job, const Page& page, Bytes& out) {
     table_.clear();
     payload_.clear();
     pair_count_ = 0;
-    // Of rounded X, Y, Z few bytes are left, and a third of the time to read them would go to the entropy coder.
+    // Rounded X, Y, Z take few bytes, and the entropy coder would take a third of the time to read them.
     const bool quick = job.kind == RecordKind::kXyz && job.precision < kFullPrecision;
     choice_ = quick ? kQuickPlanes : kSmallPlanes;
     find_positions(job, page);

@@ -42,7 +42,7 @@ class PageEncoder {
     void find_positions(const Job& job, const Page& page);
     void find_bright_rows(std::span<const float> y);
 
-    // Of the page at hand.
+    // The page at hand.
     std::vector<ColumnEntry> table_;
     Bytes payload_;
     bool sampled_ = false;  // u_ and v_ are where the job's sampler puts its samples

@@ -185,7 +185,7 @@ bool pack_plane(ByteSpan plane, const Dictionary& dictionary, unsigned bits, std
             place = hn::Or(place, hn::TableLookupBytesOr0(hn::LoadU(d, &dictionary.place[parts[i]]), in_part));
         }
         complete = hn::Min(complete, place);
-        // Of each word, halves are moved together until its eight numbers touch.
+        // The halves of each word are moved together until its eight numbers touch.
         auto word = hn::BitCast(d64, hn::Sub(place, hn::Set(d, 1)));
         word = hn::Or(hn::And(word, ones), hn::ShiftRightSame(hn::AndNot(ones, word), apart));
         word = hn::Or(hn::And(word, twos), hn::ShiftRightSame(hn::AndNot(twos, word), 2 * apart));

@@ -45,7 +45,7 @@ struct Page : Columns {
     std::vector<std::uint32_t> first_pair;  // spectral: where each record's pairs begin in `power`; one more at the end
 };
 
-// Of a row: 0 of a light record, 1 where the page stores none.
+// The share of a row: 0 for a light record, 1 where the page stores none.
 inline float share_of(const Page& page, std::size_t row) {
     return page.record_class == RecordClass::kLight ? 0.0f : page.unit_share ? 1.0f : page.share[row];
 }

@@ -17,10 +17,10 @@ constexpr std::uint32_t interleave(std::uint32_t x, std::uint32_t y) {
     return static_cast<std::uint32_t>(both >> 31 | both);
 }
 
-// Of a position on the film, its 16 high bits of either coordinate.
+// The 16 high bits of both coordinates of a position on the film, interleaved.
 constexpr std::uint32_t z_prefix(std::uint32_t u, std::uint32_t v) { return interleave(u >> 16, v >> 16); }
 
-// Of a cell: its place along the curve.
+// The place of a cell along the curve.
 constexpr std::uint64_t z_code(std::uint32_t x, std::uint32_t y) {
     return std::uint64_t{interleave(x >> 16, y >> 16)} << 32 | interleave(x, y);
 }

@@ -6,7 +6,7 @@
 namespace latent::sampledb {
 
 namespace {
-// Of what is read in order: as much is read ahead as was read, within these.
+// Reading in order reads ahead as much as was read so far, within these limits.
 constexpr std::uint64_t kMinAhead = 256 << 10, kMaxAhead = 4 << 20;
 }  // namespace
 

@@ -33,7 +33,7 @@ class RangeAnswer {
 
     int status() const { return status_; }  // of HTTP; 0: no answer
     std::uint64_t received() const { return received_; }
-    // Of the file, if the answer tells.
+    // The version of the file, if the answer tells.
     const std::optional<RemoteVersion>& version() const { return version_; }
 
     // Why asking again would not help. Errors: kNotFound; kIo. `whole`: the transfer ended as the server meant it to.

@@ -30,7 +30,7 @@ class ByteSource {
     virtual const File* file() const { return nullptr; }  // that it is, if it is one on disk
 };
 
-// Of a path or a URL (remote_source.h). Errors: those of FileSource::open and open_remote.
+// Opens a path or a URL (remote_source.h). Errors: those of FileSource::open and open_remote.
 Result<std::shared_ptr<const ByteSource>> open_source(const std::filesystem::path& path);
 
 // Copies `length` bytes into a file, inside the kernel where it can. Errors: those of `source`, and of writing.

@@ -24,7 +24,7 @@ struct Origin {
 // A header or footer that is no JSON object is quoted, as a string, in `common` or `parts`: see quote_provenance.
 Origin origin_of(const FileContents& file);
 
-// Of a file that was not merged: the provenance of its header, with what its footer adds to it.
+// The provenance of a file that was not merged: that of its header, with what its footer adds.
 QuotedProvenance own_provenance(const FileContents& file);
 
 }  // namespace latent::sampledb

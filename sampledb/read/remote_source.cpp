@@ -11,7 +11,7 @@ namespace latent::sampledb {
 
 namespace {
 
-// Of the module latent_http.so, which is searched for where the program or library that holds this was installed, and stays loaded.
+// From the module latent_http.so. It is searched for where the program or library that holds this was installed, and stays loaded.
 using Open = void (*)(const std::string& url, std::shared_ptr<const ByteSource>& source, Status& status);
 
 Result<Open> find_open() {

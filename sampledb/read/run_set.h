@@ -41,7 +41,7 @@ struct RunSetOptions {
     std::uint64_t memory = std::uint64_t{1} << 30;
 };
 
-// What a list of runs takes while some of them are chosen; of intervals only those beyond the first of each run count.
+// Bytes that a list of runs takes while some are chosen. `intervals`: those beyond the first of each run.
 std::uint64_t list_memory_of(std::uint64_t runs, std::uint64_t intervals);
 // Whole MiB, in bytes, of the least RunSetOptions::memory that has room for a list of that size.
 std::uint64_t memory_with_list(std::uint64_t list_memory);

@@ -31,7 +31,7 @@ struct Selection {
     Coverage coverage;                     // of the chosen runs
 };
 
-// Of all sets of disjoint runs the one that covers the most samples, of these the one of the fewest runs: so a canonical run
+// Chooses, among all sets of disjoint runs, those that cover the most samples, and among these the smallest: so a canonical run
 // wins over its checkpoints, a longer attempt over a shorter one, a compacted run over what it was made from. A function of the
 // set of runs, not of their order or of the files that they are in.
 Selection select_runs(std::span<const SelectedRun> runs);

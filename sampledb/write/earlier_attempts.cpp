@@ -72,7 +72,7 @@ Result<EarlierAttempts> EarlierAttempts::find(const std::filesystem::path& name,
     return earlier;
 }
 
-// Of two runs of the same samples the one with the smaller content hash counts, as in every selection.
+// If two runs have the same samples, the one with the smaller content hash counts, as in every selection.
 void EarlierAttempts::add(const StoredRun& stored) {
     const SampleRange samples = stored.samples();
     if (!lies_in_one_interval(samples, job_.run_samples) || samples.end <= range_.first || samples.first >= range_.end) return;
