@@ -33,7 +33,7 @@ struct Brushing {
         return v.number("anisotropy") != 0;
     }
 
-    // Of facets that have this alpha across the direction: along it.
+    // The alpha along the direction, for facets that have this alpha across it.
     float alpha_along(float alpha) const { return alpha + (1 - alpha) * strength * strength; }
     // Into the frame of the facets, and back.
     Vec3f to_facets(const Vec3f& w) const {

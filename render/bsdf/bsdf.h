@@ -11,9 +11,9 @@ namespace latent::render {
 
 struct BsdfSample {
     Vec3f wi;
-    float pdf;  // 1/sr; of a delta function the probability that its coefficient stands for (see weights.h)
+    float pdf;  // 1/sr; for a delta function the probability that its coefficient stands for (see weights.h)
     bool delta;
-    float probability_reverse;  // of a delta function: of the way back
+    float probability_reverse;  // for a delta function: that of the way back
     float eta2;                 // by which radiance was scaled: squared index on wi's side over that on wo's; 1 for reflection
 };
 

@@ -25,7 +25,7 @@ namespace latent::render {
 template <class... C>
 using ClosureList = std::variant<C...>;
 
-// Of surfaces, which light meets and leaves on sides.
+// Closures of surfaces: light arrives at and leaves one of two sides.
 using SurfaceClosure = ClosureList<  //
     Diffuse,                         //
     Phong,                           //

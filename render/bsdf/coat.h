@@ -56,7 +56,7 @@ struct Coat {
         out.weight = shadowed(w, down) * (1 - fresnel_dielectric(dot(w, m), eta));
         return out;
     }
-    // Of a rough surface, for a given direction: `pdf` and `weight` as they would be drawn.
+    // For a rough surface and a given direction: `pdf` and `weight` as sampling would give them.
     Refracted refraction(const Vec3f& w, const Vec3f& up) const {
         Refracted out;
         out.up = up;

@@ -29,7 +29,7 @@ class Conductor {
         if (const SampledSpectrum* r = v.find("reflectance")) reflect(*r, v.site.spectra);
     }
     static bool is_isotropic(const Values<Conductor>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
-    // Of complex index eta + i k in each wavelength.
+    // Its complex index is eta + i k in each wavelength.
     Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y, bool retro = false)
         : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), retro_(retro) {}
 
@@ -37,7 +37,7 @@ class Conductor {
     Conductor beneath(const SampledSpectrum& eta, SampledSpectra& spectra) const;
 
     const Microfacets& facets() const { return facets_; }
-    // Of a smooth surface, in one wavelength.
+    // The reflectance of a smooth surface in one wavelength.
     float reflectance(float c, std::uint32_t lane) const { return fresnel_conductor(c, (*eta_)[lane], (*k_)[lane]); }
     bool is_delta() const { return facets_.are_smooth(); }
     SampledSpectrum albedo() const { return fresnel_conductor(1, *eta_, *k_); }

@@ -45,7 +45,7 @@ float longitudinal(float sin_i, float cos_i, float sin_o, float cos_o, float v) 
     return exp_nonpositive(std::min(exponent, 0.0f)) / (v * (1 - exp_nonpositive(-2 / v)));
 }
 
-// Of the logistic distribution, per turn; its integral up to x.
+// The density of the logistic distribution, per turn; then its integral up to x.
 float logistic(float x, float scale) {
     const float e = exp_nonpositive(-std::abs(x) / scale);
     return e / (scale * square(1 + e));

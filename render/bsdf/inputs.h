@@ -78,8 +78,8 @@ struct ClosureSite {
     Vec3f p;
     bool ribbon;
     float across;                              // of a ribbon: -1 to 1 along local y
-    bool mirrored = false;                     // dp/dv lies against local y; of materials that are directed
-    const MeasuredTables* measured = nullptr;  // of a material that was measured
+    bool mirrored = false;                     // dp/dv lies against local y; for materials that have a direction
+    const MeasuredTables* measured = nullptr;  // for a material that was measured
 };
 
 // The inputs of closure C at a point, by name: values.number("exponent"). A name that is not in C::kInputs does not compile, nor
@@ -106,7 +106,7 @@ class Values {
     bool varies(SpectrumName name) const { return values_[name.index].varies; }
     float number(Name<InputRole::kNumber> name) const { return values_[name.index].number; }
     std::uint32_t option(Name<InputRole::kOption> name) const { return values_[name.index].option; }
-    // Of another closure whose inputs are the first of these.
+    // The values of another closure, whose inputs are the first of these.
     template <class Part>
     Values<Part> of() const {
         Values<Part> part(site);

@@ -17,7 +17,7 @@ class MeasuredTables {
     explicit MeasuredTables(std::shared_ptr<const MeasuredBrdf> brdf);
 
     bool is_isotropic() const { return brdf_->is_isotropic(); }
-    // Of the first direction: which tables, and where in the square of directions it lies.
+    // Which tables the first direction uses, and where it lies in the square of directions.
     struct View {
         TableMixture mixture;
         Vec2f place;

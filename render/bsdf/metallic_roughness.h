@@ -69,7 +69,7 @@ class MetallicRoughness {
         float mean_at_node[FacetWeights::kNodes];       // over the wavelengths
     };
     Filmed filmed(const ThinFilm& film, const Wavelengths& wavelengths) const;
-    // Of the dielectric's facets, in each wavelength.
+    // The albedo of the dielectric's facets in each wavelength.
     SampledSpectrum filmed_albedo(const FacetWeights& weights) const;
     // What lies below the coat, f without the base's cosine. c: at the facets; d: D G / (4 cos cos), 0 if there are none between.
     SampledSpectrum filmed_surface(float mu, float mu_light, float c, float d) const;
@@ -79,7 +79,7 @@ class MetallicRoughness {
     Brushing brushing_;
     const Filmed* filmed_ = nullptr;
     Microfacets facets_, coat_facets_;
-    // Of the metal and of the dielectric, both where they reflect most; of the dielectric where it reflects least; of the coat.
+    // The metal and the dielectric where they reflect most; the dielectric where it reflects least; the coat.
     SchlickAlbedo metal_albedo_, albedo_, min_albedo_, coat_albedo_;
 };
 

@@ -20,7 +20,7 @@ struct PhaseFunction {
     Vec3f sample(const Vec3f& wo, float u, float v) const;
 };
 
-// Of media that are in the same place: each scatters its share of the light, in each wavelength another.
+// The phase function of media that share a place: each scatters its share of the light, which varies with wavelength.
 //   p(wo, wi) = sum share_i p_i(wo, wi),   its density: the same with the mean shares
 struct PhaseMixture {
     struct Part {

@@ -52,7 +52,7 @@ struct ThinFilm {
     };
 };
 
-// Of `values` in the wavelengths of a sample: what chooses between lobes, where all of these go on together.
+// The mean over the k wavelengths of a sample: it chooses between lobes where all wavelengths stay together.
 inline float mean_of(const SampledSpectrum& values, std::uint32_t k) {
     float sum = 0;
     for (std::uint32_t i = 0; i < k; ++i) sum += values.v[i];

@@ -79,7 +79,7 @@ SurfaceCoordinates patch(const PlacedShape& placed, std::uint32_t primitive, Vec
     const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
     const PatchCorners corners = patch_corners(mesh, primitive);
     const Vec3d dpds = patch_dpdu(corners, at.y), dpdt = patch_dpdv(corners, at.x);
-    // Of the patch's own (s, t) after (u, v): the inverse of what the corners' uv say.
+    // Derivatives of the patch's own (s, t) by (u, v): the inverse of what the corners' uv say.
     double dsdu = 1, dsdv = 0, dtdu = 0, dtdv = 1;
     SurfaceCoordinates c{};
     c.uv = at;

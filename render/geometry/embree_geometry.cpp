@@ -41,7 +41,7 @@ Result<std::unique_ptr<Geometry>> Geometry::build(const SceneDescription& scene,
 
 std::string Geometry::embree_version() { return RTC_VERSION_STRING; }
 
-// Of what went wrong, Embree says more here than by rtcGetDeviceError. Any thread.
+// Embree says more about a fault here than rtcGetDeviceError does. Called by any thread.
 void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) {
     const Error error =
         code == RTC_ERROR_OUT_OF_MEMORY
@@ -90,7 +90,7 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
     self->add_instances(description);
     rtcCommitScene(self->scene_.get());
     if (self->fault_) {
-        // Of a scene that it could not build, for want of threads say, Embree may still have tasks at work, and ends the program
+        // If a scene could not be built, for want of threads say, Embree may still have tasks at work on it, and ends the program
         // when it is released: so all of it stays.
         return self.release()->fault_.status().error();
     }
@@ -108,7 +108,7 @@ void EmbreeGeometry::add_instances(const SceneDescription& description) {
         const std::vector<PlacedShape>& shapes = world_.objects[instance.object];
         const Affined& m = instance.world_from_object;
         if (instance.end) {
-            // Of its own place in the file, which the object's shapes are no longer counted from.
+            // The object's place in the file: its shapes are no longer counted from there.
             const Vec3d center = -description.objects[instance.object].origin;
             world_.moving.push_back({&shapes, Motion(m, *instance.end, center)});
             moving_.push_back({object_scenes_[instance.object].get()});

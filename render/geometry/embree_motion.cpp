@@ -8,7 +8,7 @@ namespace latent::render {
 
 namespace {
 
-// Of time, between which Embree takes boxes to change at constant rates. What does not turn does so by itself.
+// How many intervals of time Embree takes boxes to change in at constant rates. One is exact for what does not turn.
 unsigned intervals(const Motion& motion) { return motion.turns() ? 32 : 1; }
 
 // Between two times a point strays from the straight line by an eighth of its bend times the square of the interval; so no point

@@ -133,8 +133,8 @@ bool is_passed(const TraceContext& context, const PassedTube& at) {
     });
 }
 
-// Of tubes: Embree's hit is exact to a few float ulps, which is not enough to tell on which side of its own surface a ray starts or
-// ends.
+// For tubes: Embree's hit is exact to a few float ulps, which is not enough to tell on which side of its own surface a ray starts
+// or ends.
 void settle_hit(const RTCFilterFunctionNArguments* args) {
     if (args->N != 1 || args->valid[0] == 0) return;
     const PlacedShape& placed = *static_cast<const PlacedShape*>(args->geometryUserPtr);

@@ -26,7 +26,7 @@ struct PlacedShape {
     bool is_invisible() const { return (is_interface(shape.material) || is_nowhere(shape.alpha)) && !parts_media(); }
 };
 
-// Of what each vertex has: the sum, with one weight for each.
+// The sum of what the vertices have, with one weight for each.
 inline Vec3d weighted(const std::vector<Vec3f>& values, const std::uint32_t* vertices, std::span<const double> weights) {
     Vec3d out;
     for (std::size_t i = 0; i < weights.size(); ++i) out += Vec3d(values[vertices[i]]) * weights[i];

@@ -12,7 +12,7 @@ namespace {
 constexpr float kHalfUlp = 0x1p-24f;     // relative error of a double rounded to float
 constexpr float kPlaneError = 0x1p-21f;  // of Embree's distance to a triangle's plane, per its extent
 
-// Of a point on a surface, computed in double from numbers up to `size`. Near the origin, the point itself is much smaller.
+// The error of a surface point that was computed in double from numbers up to `size`. Near the origin, p itself is much smaller.
 float exact_error(const Vec3f& p, double size) {
     constexpr double kDoubleError = 0x1p-48;
     return 2 * kHalfUlp * max_abs(p) + static_cast<float>(kDoubleError * size);

@@ -73,7 +73,7 @@ std::optional<TubeCrossing> settle(const Tube& tube, const Vec3d& o, const Vec3d
         const double a = dot(across, across) - widens * widens * speed * speed, b = dot(away, across) - widens * speed * radius,
                      c = dot(away, away) - radius * radius, discriminant = b * b - a * c;
         if (!(discriminant >= 0)) return std::nullopt;
-        // Of both roots, the one that is nearer to 0.
+        // The root that is nearer to 0.
         const double q = b + std::copysign(std::sqrt(discriminant), b), step = q == 0 ? 0 : -c / q, axial = along + speed * step;
         t += step;
         const Vec3d bend = bend_at(tube.axis, u), turn = (bend - at.d * dot(at.d, bend)) / at.speed;

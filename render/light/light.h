@@ -75,7 +75,7 @@ class Light {
         });
     }
 
-    // Of radiance over all directions: its mean square over its squared mean. Infinity unless it comes from all directions.
+    // The mean square of radiance over all directions, over its squared mean. Infinity unless it comes from all directions.
     double contrast() const { return contrast_; }
 
     const Emission& emission() const {

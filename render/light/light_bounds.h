@@ -17,7 +17,7 @@ struct LightBounds {
     float falloff = 0.25f;     // from there to where it shines no more
     bool both_sides = false;   // the axis and its opposite are alike
     double concentration = 0;  // [1/sr] of one light: intensity where it is greatest, over power
-    double intensity = 0;      // where it is greatest, weighed by wavelength; of many: the sum
+    double intensity = 0;      // where it is greatest, weighed by wavelength; the sum for several lights
 
     // Light from a ball, or a box, in all directions.
     static LightBounds from_ball(const Vec3d& center, double radius);
@@ -36,7 +36,7 @@ struct LightBounds {
     double measure() const;
 };
 
-// Of both together; `concentration` has no meaning there.
+// Bounds of both together; their `concentration` has no meaning.
 LightBounds operator+(const LightBounds& a, const LightBounds& b);
 
 }  // namespace latent::render

@@ -89,9 +89,9 @@ void LightTree::Pair::set(std::uint32_t half, const LightBounds& b) {
     sides[half] = b.both_sides ? 0x7fffffffu : 0xffffffffu;
 }
 
-// Of each half intensity cos cos / distance^2, where both cosines are the greatest that any point of its ball can have. In the
-// lower lanes the one at the surface, in the upper ones that at the light: the same formula, for the normal is a cone as the
-// light's is.
+// For each half: intensity cos cos / distance^2, where both cosines are the greatest that any point of its ball can have. The
+// lower lanes hold the one at the surface, the upper ones that at the light. One formula serves both: a normal is a cone, as a
+// light's directions are.
 LightTree::Halves LightTree::importance(const Pair& pair, const Vec3f& p, const LightSampleContext& context) {
     const Lanes d;
     const HalfOfLanes h;

@@ -31,7 +31,7 @@ struct Portal::Cone {
         k = 2 * std::numbers::pi - angle(n2, n3) - angle(n3, n0);
         solid_angle = angle(n0, n1) + angle(n1, n2) - k;
     }
-    // Of a smaller one the difference of angles has too few digits.
+    // For a smaller one, the difference of angles has too few digits.
     bool is_wide() const { return solid_angle > 1e-4; }
 };
 

@@ -9,7 +9,7 @@
 
 namespace latent::render {
 
-// Directions are drawn from those that the portal shows; of a picture, half of them by its luminance instead, of which those beside
+// Directions are drawn from those that the portal shows. For a picture, half are drawn by its luminance instead; those beside
 // the portal are of no use. Rays come through a disk about the portal, outside of the scene.
 class PortalLight {
  public:

@@ -13,7 +13,7 @@ class UniformInfiniteLight {
     UniformInfiniteLight(const LightDescription& light, std::uint32_t spectrum, const SceneBall& ball);
 
     const Emission& emission() const { return emission_; }
-    // Of 4 pi L that crosses each square metre of the scene, a surface receives pi L at most.
+    // 4 pi L crosses each square metre of the scene, and a surface receives pi L at most.
     double extent() const { return std::numbers::pi * ball_.disk_area(); }
     double contrast() const { return 1; }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;

@@ -15,7 +15,7 @@
 namespace latent::render {
 namespace {
 
-// Of a mixture: the share of the second, or, in each wavelength, the selector.
+// Inputs of a mixture: the share of the second material, or a selector that varies with wavelength.
 enum : std::size_t { kAmount, kSelector };
 constexpr std::array kMixture = {Input::number("amount", 0.5f, 0, 1), Input{.name = "selector", .may_be_missing = true}};
 

@@ -29,7 +29,7 @@ class Material {
     // these stay at this sample: values that vary over the surface are allocated there.
     Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const { return make_(*this, hit, point, kept); }
 
-    // Of a mixture: the material at this point, one of two by a hash of the place, in the shares that it describes. So a mixture is
+    // The material of a mixture at this point: one of two, by a hash of the place, in the shares that it describes. So a mixture is
     // one surface, whichever path comes there. If the shares vary with wavelength, the choice is made by their mean, and `weight`
     // (null: 1) is multiplied by the share over its probability. `depth`: how many mixtures this one is within; each has a hash of
     // its own, so that their choices are independent.

@@ -79,7 +79,7 @@ Affined Motion::at(double time) const {
     Affined map =
         each_axis(first_.stretch, last_.stretch, [&](const Vec3d& a, const Vec3d& b) { return a * (1 - time) + b * time; });
     const Quaternion &a = first_.rotation, &b = last_.rotation;
-    // Shares of both ends; of a small turn sines are angles.
+    // Shares of both ends. If the turn is small, sines are angles.
     const double share_a = angle_ > 1e-6 ? std::sin((1 - time) * angle_) : 1 - time,
                  share_b = angle_ > 1e-6 ? std::sin(time * angle_) : time;
     map = rotation_of({a.w * share_a + b.w * share_b, a.v * share_a + b.v * share_b}) * map;

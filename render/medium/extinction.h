@@ -38,7 +38,7 @@ class SampledExtinction {
     }
     // Over the k wavelengths.
     float mean(const MediumValues<N>& values) const { return sum_of_k(values).sum() / static_cast<float>(sample_.k()); }
-    // Of the k wavelengths of a throughput.
+    // Sums and maxima over the k wavelengths of a throughput.
     MediumValues<N> sums(const SampledSpectrum& value) const { return sum_of_k(value); }
     MediumValues<N> maxima(const SampledSpectrum& value) const { return sum_of_k(value); }
     void multiply(const MediumValues<N>& factor, SampledSpectrum& value) const {
@@ -95,7 +95,7 @@ class ScaledExtinction {
     }
 
  private:
-    // Of the wavelengths of each level: their values, and zeros.
+    // Calls f for each level with the values of its wavelengths; the others are zeros.
     template <class F>
     MediumValues<N> each(F f, const SampledSpectrum& value) const {
         MediumValues<N> out(0.0f);

@@ -9,7 +9,7 @@
 namespace latent::render {
 namespace {
 
-// Of each value in the throughput of the k wavelengths; even if that is black.
+// The share of each value in the throughput of the k wavelengths; that of white if the throughput is black.
 template <class Extinction>
 auto shares(const Extinction& extinction, const SampledSpectrum& value) {
     auto share = extinction.sums(value);

@@ -15,7 +15,7 @@ class SumMedium final : public HeterogeneousMedium {
         std::unique_ptr<const HeterogeneousMedium> varied;  // null: the same everywhere
         Affined unit_from_world{};                          // of `varied`
         float max_sigma_t = 0, mean_sigma_t = 0;            // over all wavelengths, at density 1
-        // Of one that is the same everywhere: spectra of the library; `emission`: kNone: none.
+        // For a medium that is the same everywhere: spectra of the library. `emission` may be kNone.
         std::uint32_t sigma_t = 0, sigma_s = 0, emission = kNone;
         PhaseFunction phase;
     };

@@ -22,7 +22,7 @@ constexpr double kCleanPerPixel = 4;                                        // s
 
 constexpr double kGlance = 1e-6;  // seconds: min_samples and no more
 
-// Of the picture; the height follows from the film. Rather noisy than tiny.
+// The width of the picture; the height follows from the film. Noisy is better than tiny.
 double width_for(const RenderJob& job, std::uint64_t samples) {
     const double shape = static_cast<double>(job.job.aspect_height) / job.job.aspect_width, longer = std::max(1.0, shape);
     const double at_one = std::sqrt(static_cast<double>(samples) / shape), clean = at_one / std::sqrt(kCleanPerPixel);

@@ -32,7 +32,7 @@ struct Forecast {
 // Which are read when they are first seen: the beginning of a render says little about the rest.
 bool has_pictures(const SceneDescription& scene);
 
-// Of a dry run: two, or less if --max-time says so.
+// How long a dry run renders: two seconds, or less if --max-time says so.
 double trial_seconds(const RenderOptions& options);
 
 // A short render, in a folder of its own that is gone with it.

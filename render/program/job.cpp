@@ -64,7 +64,7 @@ Status check_aovs(const AovSettings& aovs, const SceneDescription& scene) {
     return {};
 }
 
-// Of fields that few jobs have: no other field is as large.
+// Marks fields that few jobs have: no other field has a value as large.
 constexpr std::uint64_t kAovTag = 0x616f760000000000;  // "aov"
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
@@ -119,7 +119,7 @@ std::uint64_t runs_of(const sampledb::SampleRange& all, std::uint32_t run_sample
     return all.empty() ? 0 : (all.end - 1) / run_samples - all.first / run_samples + 1;
 }
 
-// Of a shard where there are fewer runs than shards, so that some have nothing to do.
+// What to say if there are fewer runs than shards, so that some have nothing to do.
 std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples) {
     const std::uint64_t runs = runs_of(all, run_samples);
     std::uint32_t shorter = run_samples;
@@ -133,7 +133,7 @@ std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, s
         all.size(), counted(runs, "run"), run_samples, advice);
 }
 
-// Of pixels that do not have the shape of the film, to within the rounding of one side; empty if they do.
+// What to say of pixels whose shape is not that of the film, to within the rounding of one side; empty if it is.
 std::string other_shape(const Resolution& pixels, const FilmDescription& film) {
     const double aspect = static_cast<double>(film.width) / film.height;
     if (std::abs(pixels.width - pixels.height * aspect) < 1 || std::abs(pixels.height - pixels.width / aspect) < 1) return "";

@@ -17,7 +17,7 @@ struct Dimension {
         kKeptWavelength,
         kLensU,
         kLensV,
-        // Of the ray that a light subpath starts with.
+        // For the ray that a light subpath starts with.
         kStartLight,
         kStartU,
         kStartV,

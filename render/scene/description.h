@@ -140,14 +140,14 @@ enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kTube, kSphere, kDi
 // origin of either.
 struct MeshDescription {
     std::vector<Vec3f> positions{};  // of tubes: the points of cubic Bezier curves, their axes
-    std::vector<Vec3f> normals{};    // per vertex, unit length, or empty; of tubes, per segment: where v = 0 as it begins
+    std::vector<Vec3f> normals{};    // per vertex, unit length, or empty; for tubes, per segment: where v = 0 as it begins
     // Per vertex, of any length, or empty: where u and v run for normal maps and anisotropy, instead of along dp/du and dp/dv.
     std::vector<Vec3f> tangents{}, bitangents{};
     std::vector<Vec2f> uvs{};                    // per vertex, or empty
     std::vector<std::vector<Vec2f>> more_uvs{};  // further sets, each per vertex
     std::vector<std::array<float, 4>> colors{};  // linear sRGB and alpha, per vertex, or empty
     std::vector<float> radii{};                  // of tubes, per point
-    std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11); of tubes: the first of four points
+    std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11); for tubes: the first of four points
 };
 
 struct ShapeDescription {

@@ -19,7 +19,7 @@ inline double quadric_area(const ShapeDescription& shape) {
     return phi_max(shape) * r * (shape.z_max - shape.z_min);
 }
 
-// Of even points: area is in proportion to both u and v, from 0 to 1. `n` has unit length and points outwards, or along z.
+// Area is in proportion to both u and v, from 0 to 1. `n` has unit length and points outwards, or along z.
 struct QuadricPoint {
     Vec3d p, n;
 };

@@ -10,7 +10,7 @@ namespace latent::render {
 // they stay finite, and are zero in the weights that end a path, so that they count for nothing.
 inline constexpr std::uint32_t kMaxWavelengths = 32;
 
-// Of four parts, whatever the processor. N is a multiple of four.
+// Taken in four parts, whatever the processor. N is a multiple of four.
 template <std::uint32_t N>
 float max_of(const float (&v)[N]) {
     float part[4] = {v[0], v[1], v[2], v[3]};

@@ -45,7 +45,7 @@ struct Textures::Builder {
     FloatSource input_of(float, const TextureDescription& d, std::size_t i) { return source(d.numbers[i]); }
     SpectrumSource input_of(const SampledSpectrum*, const TextureDescription& d, std::size_t i) { return source(d.spectra[i]); }
 
-    // Of a file that several textures show, each with its own wrap and filter, one.
+    // Opens a file once, though several textures may show it, each with its own wrap and filter.
     const Result<image::PictureInfo>& open(const PictureDescription& d) {
         const auto [at, is_new] = opened.try_emplace({d.path, d.is_srgb, d.gamma}, Error{});
         if (!is_new) return at->second;

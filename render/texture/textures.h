@@ -19,7 +19,7 @@ struct TextureSettings {
 
 class Textures {
  public:
-    // Constant spectra go to `library`; of pictures, at most `cache_bytes` are kept in memory (0: from 256 MiB to a quarter of the
+    // Constant spectra go to `library`. At most `cache_bytes` of pictures are kept in memory (0: from 256 MiB to a quarter of the
     // memory that the process may use, as much as those need that have no tiles and so are read best as a whole). Errors: those of
     // image::Pictures, one line for each file.
     static Result<Textures> build(const SceneDescription& scene, std::uint64_t cache_bytes, SpectrumLibrary& library);
@@ -40,7 +40,7 @@ class Textures {
 
     std::unique_ptr<image::Pictures> pictures_;
     std::string shortage_{};  // of the cache, in words
-    // Of each description, one of these.
+    // One for each description.
     std::vector<std::unique_ptr<FloatTexture>> floats_;
     std::vector<std::unique_ptr<SpectrumTexture>> spectra_;
     std::vector<std::unique_ptr<ImageLookup>> images_;

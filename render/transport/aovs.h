@@ -16,10 +16,10 @@ namespace latent::render {
 struct Seen {
     Vec2f lens{};    // where the ray met the lens, on the unit disk
     float time = 0;  // from 0, when the shutter opens, to 1
-    // Of the first surface that scatters light in other ways than a mirror or smooth glass, seen in or through these.
+    // At the first surface that scatters light in other ways than a mirror or smooth glass, seen in or through these.
     std::array<float, 3> albedo{};  // XYZ under D65; white has Y = 1
     Vec3f normal{};
-    // Of the first surface.
+    // At the first surface.
     float depth = 0;
     Vec3f position{};
     std::uint32_t object = 0, material = 0;  // counted from 1; 0: none

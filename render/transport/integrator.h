@@ -50,7 +50,7 @@ class Integrator {
     virtual ~Integrator() = default;
     // Appends all records of sample n: a function of (scene, settings, n) alone. Any thread.
     virtual void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const = 0;
-    // Of the wavelengths, from this scene's lights. Part of the job id; the headers of spectral jobs hold it.
+    // The density of wavelengths, from this scene's lights. Part of the job id; the headers of spectral jobs hold it.
     virtual const sampledb::WavelengthDensity& density() const = 0;
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
     // An error: what has been traced since the last call without one is wrong. Any thread.

@@ -9,7 +9,7 @@ namespace latent::render {
 // A step of a subpath, from its last vertex in unit direction d.
 struct Step {
     Vec3f d;
-    float pdf = 0;  // [1/sr]; of parallel rays [1/m^2] across them
+    float pdf = 0;  // [1/sr]; for parallel rays [1/m^2] across them
     bool parallel = false;
     float mis_shorter = 0;  // MisPartial::shorter of the vertex that it will reach
     std::uint32_t medium = kNone;

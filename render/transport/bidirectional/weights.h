@@ -16,7 +16,7 @@ namespace latent::render {
 // the rest is a partial sum that the subpath carries along [Georgiev12]. Directions of a delta function count with their
 // probabilities in these ratios, and never end a subpath.
 struct MisPartial {
-    float end = 0;      // e_i; of a light's second vertex times the square of the ratio of its point's densities, sampled from
+    float end = 0;      // e_i; for a light's second vertex times the square of the ratio of its point's densities, sampled from
                         // here over sampled with its ray
     float shorter = 0;  // e_(i-1) + S_(i-2)
 };
