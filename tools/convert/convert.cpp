@@ -86,7 +86,7 @@ Result<std::optional<double>> choose_sigma(const ConvertOptions& options, const 
     return suggested_sigma(options, tone, source, on_film, *seen);
 }
 
-// Of a print from film, whose exposure is the film's: its grey card is shown as bright as it is.
+// The sensitivity for a print from film, which has its exposure: a grey card is shown as bright as it is.
 double print_sigma_of(const color::PrintSettings& settings) {
     return settings.tone == color::Tone::kNone ? 1 : settings.curve.exposure_of(kGreyCard) / kGreyCard;
 }

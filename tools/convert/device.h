@@ -49,7 +49,7 @@ const color::RgbSpace& table_space();
 std::shared_ptr<const DeviceTransform> curves_of(const std::array<const void*, 3>& curves);
 // From table_space() through the tables of a profile (cmsHPROFILE). Errors: kUnsupported.
 Result<std::shared_ptr<const DeviceTransform>> tables_of(void* profile, const Rendering& rendering);
-// Of a profile (cmsHPROFILE); with black point compensation, colours are compensated before. Errors: kUnsupported.
+// The gamut of a profile (cmsHPROFILE). With black point compensation, colours are compensated before. Errors: kUnsupported.
 Result<std::shared_ptr<const DeviceGamut>> gamut_of(void* profile, const Rendering& rendering);
 // From table_space() to what the device's print looks like in the linear light of `display`, whose white is the paper's unless the
 // intent is absolute. Errors: kUnsupported.

@@ -46,9 +46,9 @@ bool near(const color::Primaries& a, const color::Primaries& b) {
     return same(a.red, b.red) && same(a.green, b.green) && same(a.blue, b.blue) && same(a.white, b.white);
 }
 
-// Of a space: primaries, transfer, no matrix (RGB), full range. None if H.273 has no such primaries, or if the transfer is not that
-// of sRGB: Rec.2020's code point names the curve of its cameras, and Chromium takes it for a display with gamma 2.4, which
-// contradicts the profile.
+// Code points of a space: primaries, transfer, no matrix (RGB), full range. None if H.273 has no such primaries, or if the transfer
+// is not that of sRGB: Rec.2020's code point names the curve of its cameras, and Chromium takes it for a display with gamma 2.4,
+// which contradicts the profile.
 std::optional<std::array<std::uint8_t, 4>> code_points_of(const color::RgbSpace& space) {
     if (space.transfer != color::Transfer::srgb()) return std::nullopt;
     for (const KnownPrimaries& known : kKnownPrimaries) {

@@ -23,7 +23,7 @@ struct Display {
     std::optional<std::array<std::uint8_t, 4>> cicp;  // code points of ITU-T H.273 that say the same, if there are any
     std::shared_ptr<const DeviceTransform> device;    // from linear light to codes, where no Transfer describes that
 
-    // Of a proof: what is printed before, in its own space, and what makes light of this display of it.
+    // For a proof: the space that is printed to first, and what turns that print into light of this display.
     std::optional<color::RgbSpace> proof_space;
     std::shared_ptr<const DeviceTransform> proof;
     std::string proof_name;                    // what the simulated profile calls itself

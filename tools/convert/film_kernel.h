@@ -15,9 +15,9 @@ struct FilmBlur {
     bool returns_light() const { return returned[0] > 0 || returned[1] > 0 || returned[2] > 0; }
 };
 
-// Of pixels of this size on the film. Light goes no farther than `max_radius` pixels.
+// For pixels of this size on the film. Light goes no farther than `max_radius` pixels.
 image::Kernel sharpness_kernel(const film::Triple& half, double pixel_um, int max_radius);
-// Of cells of this size.
+// For cells of this size.
 image::Kernel returned_kernel(const film::Triple& share, double cell_um, int max_radius);
 
 // Pixels along a side of the cells that light returns from and to: up to 10 um, beside which its way is long.

@@ -21,7 +21,7 @@ constexpr int kPattern = 2048;  // cells along a side of an aperture and its pat
 
 using Plane = std::vector<float>;
 
-// Of the aperture at x, y: how much of a cell is open.
+// How much of each cell is open. `open` says it of the cell at x, y.
 template <class Open>
 Plane aperture_plane(const Open& open) {
     Plane plane(static_cast<std::size_t>(kPattern) * kPattern);

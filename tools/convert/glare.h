@@ -19,11 +19,11 @@ struct Source;
 struct Glare {
     std::string text;  // as it was asked for
     bool eye = false;
-    // Of a lens:
+    // For a lens:
     double f_number = 8;  // of the circle, on which the corners between blades lie
     image::Blades blades{};
     std::filesystem::path aperture{};  // a picture of it, how much light passes; "": blades
-    // Of an eye:
+    // For an eye:
     FieldOfView field{};
     double age = 30;  // years
 };
@@ -36,7 +36,7 @@ struct Wavelength {
     double nm = 0;
     std::array<float, 3> weights{};
 };
-// Of white light, in the channels of `source`; each adds up to 1.
+// Weights of white light in the channels of `source`; each channel adds up to 1.
 std::vector<Wavelength> wavelengths_of(const Source& source);
 
 // `pixel_um`: the size of a pixel on the sensor. Light goes no farther than `max_radius` pixels. Errors: of reading the picture of

@@ -8,7 +8,7 @@
 
 namespace latent::convert {
 
-// Differences of hue between pixels and their prints, in OKLab; of pixels out of gamut that have a hue, before and after.
+// Differences of hue between pixels and their prints, in OKLab, for pixels out of gamut that have a hue before and after.
 struct HueShifts {
     double largest_degrees = 0;
     int x = 0, y = 0;  // where; the first of several, in the coordinates of the display window

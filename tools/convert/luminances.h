@@ -5,7 +5,7 @@
 
 namespace latent::convert {
 
-// Of greys.
+// The range of greys that can be printed.
 color::PrintableRange printable_range(const color::Transfer& transfer, color::Tone tone, const color::ToneCurve& curve,
                                       double sigma);
 

@@ -85,7 +85,7 @@ struct ConvertOptions {
 // What is shown instead of the print: "a proof", "clipped", both; "": the print itself.
 std::string shown_by(const ConvertOptions& options);
 
-// Of the pixels, in percent.
+// Percentiles of the pixels.
 inline constexpr std::array kPercentiles{1, 10, 50, 90, 99};
 
 using Percentiles = std::array<double, kPercentiles.size()>;

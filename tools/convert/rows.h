@@ -29,7 +29,7 @@ class Rows {
 // The last rows of a picture, in a file.
 class RowFile {
  public:
-    // Of the columns of `window`; keeps `rows` of them. Errors: kIo.
+    // A file with the columns of `window` that keeps `rows` rows. Errors: kIo.
     static Result<RowFile> create(const std::filesystem::path& folder, const image::Rect& window, int rows);
     Status write(std::size_t channel, int x0, int y, std::span<const float> row);
     Status read(std::size_t channel, int x0, int y, std::span<float> row) const;

@@ -70,7 +70,7 @@ class SpreadRows : public Rows {
     Convolver::Planes planes_;
 };
 
-// Of the tiles that begin in row y0, what is wanted.
+// Makes the wanted tiles that begin in row y0.
 Status SpreadRows::make_tiles(int y0) {
     const Rect& picture = convolver_->picture();
     const int step = convolver_->step(), margin = convolver_->margin(), size = convolver_->size();
@@ -118,7 +118,7 @@ Rect in_cells(const Rect& picture, int cell) {
 // Means over cells.
 class CellRows : public Rows {
  public:
-    // Of pixels that `before` makes, which outlives it; `wanted` in cells.
+    // For pixels that `before` makes, which must outlive the result. `wanted` is in cells.
     static Result<std::unique_ptr<Rows>> create(Rows& before, const Rect& picture, int cell, const Rect& wanted, int keep,
                                                 const std::filesystem::path& folder) {
         Result<RowFile> file = RowFile::create(folder, wanted, keep);

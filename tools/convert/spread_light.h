@@ -22,7 +22,7 @@ struct Spread {
 // Bytes of memory that light_rows() holds, and 44 MiB for the program and for making kernels.
 std::size_t spread_bytes(const Spread& spread, const image::ExrImage& image, int threads);
 
-// Of the pixels that `source` holds, which outlives the result; `print`: the bands that will be made and read, in their order. The
+// Rows of the pixels of `source`, which must outlive the result. `print`: the bands that will be made and read, in their order. The
 // files are in `folder`. Errors: kIo.
 Result<std::unique_ptr<Rows>> light_rows(const Source& source, Spread spread, const BandPlan& print,
                                          const std::filesystem::path& folder, int threads);

@@ -15,10 +15,10 @@ void add_inputs(CLI::App& app, PictureOptions& options);
 // Everything but what all tools take. Returns the section.
 CLI::App& add_arguments(CLI::App& app, PictureOptions& options);
 
-// Of --fraction: above 0, at most 1. Errors: kUsage.
+// Parses --fraction: above 0, at most 1. Errors: kUsage.
 Result<double> parse_fraction(std::string_view text);
 
-// Of --filter-factor: "none", "auto" (0) or a number above 0. Errors: kUsage.
+// Parses --filter-factor: "none", "auto" (0) or a number above 0. Errors: kUsage.
 Result<double> parse_filter_factor(std::string_view text);
 
 }  // namespace latent::develop

@@ -103,8 +103,8 @@ std::string start_of(std::string_view text) {
     return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMax)), format_size(text.size()));
 }
 
-// What a file says of its making, a line for each member, without tables of spectra and names and what has a line elsewhere; of a
-// text that is no object of JSON, its start.
+// What a file says of its making, a line for each member, without tables of spectra and names and what has a line elsewhere. A
+// text that is no object of JSON is cut off after its start.
 std::vector<std::string> lines_of(const std::string& provenance) {
     constexpr std::size_t kMax = 64;
     const bool is_json = quote_provenance(provenance, kHeaderProvenanceDepth).objection.empty();

@@ -38,7 +38,7 @@ struct FileInfo {
 
     // N: light paths behind the light image.
     std::uint64_t light_paths() const { return coverage.size() * contents.header.job.light_paths_per_sample; }
-    // Of stored_bytes, what is in no column: headers, indexes, padding.
+    // The part of stored_bytes that is in no column: headers, indexes, padding.
     std::uint64_t frame_bytes() const;
     // What of the file is not read; empty if all is well. Pages that were not looked at may be damaged too: `verify` reads them.
     std::vector<std::string> left_out() const;

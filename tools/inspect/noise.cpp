@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kTargets[] = {0.02, 0.01, 0.005};
 
-// Of all files together.
+// The mean over all files.
 Result<std::optional<double>> cpu_seconds_per_sample(const std::vector<std::filesystem::path>& files, std::uint64_t memory) {
     double seconds = 0, samples = 0;
     for (const std::filesystem::path& file : files) {

@@ -24,7 +24,7 @@ struct NoiseReport {
     double bytes_per_sample = 0;
     std::filesystem::path map;
 
-    // Of the picture that was looked at: the area of the largest relative standard error; none without light.
+    // The area of the picture that has the largest relative standard error; none without light.
     std::optional<develop::PixelRect> noisiest() const;
 };
 

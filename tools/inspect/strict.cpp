@@ -28,7 +28,7 @@ bool is_utf8(const std::string& text) {
     return back.get<std::string>() == text;  // where it is not, U+FFFD stands
 }
 
-// Of a run's columns in memory: those of a page, and the class of each record. docs/format.md, "Canonical runs".
+// The size of a run's columns in memory: those of a page, and the class of each record. docs/format.md, "Canonical runs".
 std::uint64_t raw_bytes(const Job& job, const RunHeader& run) {
     const std::uint64_t records = run.camera_records + run.light_records;
     return records * sizeof(RecordClass) + decoded_page_size(job, RecordClass::kCamera, records, run.pair_count);

@@ -14,7 +14,7 @@ namespace latent::inspect {
 
 class OrderCheck {
  public:
-    // Of run `number`; what is wrong joins `violations`.
+    // Checks run `number`; what is wrong joins `violations`.
     OrderCheck(const sampledb::Job& job, std::size_t number, Violations& violations);
 
     void add(const sampledb::PageInfo& info, std::size_t number, const sampledb::Page& page);  // the next page, decoded

@@ -189,7 +189,7 @@ class PageCheck {
         }
     }
 
-    // Of a sparse y.
+    // The rows that a sparse y stores.
     std::size_t stored_rows() {
         if (bright_ != kUnknown) return bright_;
         const auto y = std::ranges::find(table_, Column::kY, &ColumnEntry::column);

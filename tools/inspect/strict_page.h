@@ -11,7 +11,7 @@
 
 namespace latent::inspect {
 
-// Of page `number` of run `run`, which is known to be sound in full. What is wrong joins `violations`. Errors: kCorrupt.
+// Checks page `number` of run `run`, which is known to be sound in full. What is wrong joins `violations`. Errors: kCorrupt.
 Status check_page_strictly(const sampledb::Job& job, const sampledb::PageInfo& info, ByteSpan stored, std::size_t run,
                            std::size_t number, Violations& violations);
 

@@ -18,7 +18,7 @@ namespace latent::inspect {
 // looked at when the pages are read again. Almost always one bit for each sample tells enough.
 class ShareCheck {
  public:
-    // Of run `number`, whose coverage is kept; what is wrong joins `violations`.
+    // Checks run `number`, whose coverage is kept; what is wrong joins `violations`.
     ShareCheck(const sampledb::Coverage& coverage, std::size_t number, Violations& violations);
 
     void add(const sampledb::Page& page);  // the next page, with samples and shares

@@ -23,7 +23,7 @@ struct MergeOptions {
     bool keep_going = false;                       // parts that cannot be used are left out, though they were named
     std::optional<sampledb::JobId> job;            // keep only this job
     std::optional<sampledb::SampleRange> require;  // fail unless all of these samples are there
-    // Of the copies of runs, before they count; kQuick also of all runs before they are chosen.
+    // How copies of runs are verified before they count; kQuick also checks all runs before they are chosen.
     sampledb::VerifyLevel verify = sampledb::VerifyLevel::kStored;
     bool compact = false;  // rewrite complete intervals as few large runs
     std::uint64_t memory = std::uint64_t{1} << 30;

@@ -16,7 +16,7 @@ struct LoadedPicture {
 // Integers are encoded as sRGB. Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported.
 Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std::string& in_messages);
 
-// Of the picture times a factor for each of R, G and B.
+// The mean luminance of the picture times a factor for each of R, G and B.
 double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor = {1, 1, 1});
 
 }  // namespace latent::render

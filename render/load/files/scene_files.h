@@ -27,14 +27,14 @@ class SceneFiles {
     // included adds up to more than 16 MiB and more than 100 times the files themselves: a few small files, nested, could become
     // as large as memory.
     Result<std::string> include(const std::filesystem::path& path);
-    // Of the bytes of a file that stays on disk; read once, however often the scene names it.
+    // The hash of a file that stays on disk. It is read once, however often the scene names it.
     Result<Hash128> hash(const std::string& name);
 
  private:
     std::filesystem::path folder_;
     std::set<std::filesystem::path> included_;
     std::map<std::filesystem::path, Result<Hash128>> hashes_;
-    std::uint64_t distinct_bytes_ = 0, included_bytes_ = 0;  // of these files; of all inclusions
+    std::uint64_t distinct_bytes_ = 0, included_bytes_ = 0;  // in these files; in all inclusions
 };
 
 }  // namespace latent::render

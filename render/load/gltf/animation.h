@@ -18,8 +18,8 @@ struct GltfNodePose {
     bool is_placed() const { return translation || rotation || scale; }
 };
 
-// Of each node, `seconds` into the file's first animation; before its first key frame and after its last, as there. Channels that
-// cannot be read are errors.
+// The pose of each node, `seconds` into the file's first animation. Its first and last key frames hold beyond its ends. Channels
+// that cannot be read are errors.
 std::vector<GltfNodePose> poses_at(const GltfDocument& document, double seconds);
 
 }  // namespace latent::render

@@ -123,7 +123,7 @@ std::string line_and_column(std::string_view text, std::size_t at) {
     return fmt::format("{}:{}", line, before.size() - (before.rfind('\n') + 1) + 1);
 }
 
-// Of a .glb: the whole JSON is often one line, and begins behind a header.
+// In a .glb, the whole JSON is often one line, and begins behind a header.
 Error error_at(const std::string& name, bool is_binary, std::string_view text, std::size_t at, const std::string& message) {
     const std::string place = is_binary ? fmt::format("{}: JSON chunk, {}", name, line_and_column(text, at))
                                         : fmt::format("{}:{}", name, line_and_column(text, at));
@@ -232,7 +232,7 @@ void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
 
 namespace {
 
-// Of a buffer view; does not exist if it is not compressed.
+// The compression of a buffer view; does not exist if there is none.
 GltfValue meshopt_of(const GltfValue& view) {
     const GltfValue ratified = view.extension("KHR_meshopt_compression");
     return ratified.exists() ? ratified : view.extension("EXT_meshopt_compression");

@@ -17,8 +17,8 @@ namespace latent::render {
 
 class GltfDocument {
  public:
-    // Of the content of a file; `name` begins every message. Errors: kTruncated, kCorrupt, kUnsupported: nothing else can be read.
-    // What is wrong in it, or with its buffers, goes to `diagnostics`. `files` and `diagnostics` outlive the document.
+    // `bytes`: the content of a file; `name` begins every message. Errors: kTruncated, kCorrupt, kUnsupported: nothing else can be
+    // read. What is wrong in it, or with its buffers, goes to `diagnostics`. `files` and `diagnostics` outlive the document.
     static Result<GltfDocument> read(const std::string& bytes, const std::string& name, SceneFiles& files,
                                      Diagnostics& diagnostics);
 
@@ -37,7 +37,7 @@ class GltfDocument {
     GltfDocument(std::string name, SceneFiles& files, Diagnostics& diagnostics)
         : name_(std::move(name)), files_(&files), diagnostics_(&diagnostics) {}
     void read_buffers(std::string_view binary_chunk, bool has_chunk);
-    // Of each buffer, whether bytes are taken from it: not from one that stands in for compressed views.
+    // Whether bytes are taken from each buffer. Buffers that stand in for compressed views are not used.
     std::vector<bool> find_used_buffers() const;
     void unpack_views();
 

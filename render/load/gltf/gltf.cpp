@@ -176,7 +176,7 @@ class GltfLoader {
         }
         return primitive["material"].index(materials).value_or(kNone);
     }
-    // Of each of these materials: the most that primitives of it have. Those that have less are white there.
+    // For each material, the most colours that a primitive with it has. Primitives that have fewer are white there.
     std::vector<VertexColors> find_vertex_colors() const {
         const GltfValue meshes = root()["meshes"], materials = root()["materials"];
         std::vector<VertexColors> out(materials.size() + 1);

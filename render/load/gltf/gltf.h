@@ -11,7 +11,7 @@
 
 namespace latent::render {
 
-// Of the file's content; `name` begins every message. Of `options`, the camera and the variant count. What is
+// `bytes`: the file's content; `name` begins every message. Of `options`, only camera and variant matter. What is
 // wrong goes to `diagnostics` as far as the file can be read on. Errors: those of GltfDocument::read.
 Result<Model> read_gltf(const std::string& bytes, const std::string& name, SceneFiles& files, const ModelColors& colors,
                         const ModelOptions& options, Diagnostics& diagnostics);

@@ -181,7 +181,7 @@ Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, Gl
     return body;
 }
 
-// Of part of the surface, what it is instead.
+// Adds the second material, which part of the surface is instead.
 void read_second(const GltfValue& material, const Body& body, const ModelColors& colors, GltfTextures& textures,
                  GltfMaterial& out) {
     const GltfValue clear = material.extension("KHR_materials_transmission"),

@@ -343,7 +343,7 @@ void from_luma(std::byte* item) {
 }
 
 using ItemFilter = void (*)(std::byte* item);
-// Of items of `size` bytes, which change in place.
+// A filter for items of `size` bytes, which change in place.
 struct SizedFilter {
     ItemFilter filter = nullptr;
     std::size_t size = 0;

@@ -32,7 +32,7 @@ class GltfValue {
     GltfValue operator[](std::size_t i) const;         // of an array
     std::size_t size() const { return json_ != nullptr && json_->is_array() ? json_->size() : 0; }
     std::vector<std::string> keys() const;
-    // Of the member "extensions".
+    // A member of the member "extensions".
     GltfValue extension(std::string_view name) const { return (*this)["extensions"][name]; }
 
     // The value itself. Where it is not there: `fallback`; where it is something else or out of range, an error, and `fallback`.
@@ -71,7 +71,7 @@ class GltfValue {
     void error(const std::string& message) const { diagnostics_->error(place(), message); }
     void warn(const std::string& message) const { diagnostics_->warn(place(), message); }
     void note(const std::string& message) const { diagnostics_->note(place(), message); }
-    // Of this and all others of its kind, one line.
+    // One line for this and all others of its kind.
     void warn_of_kind(const std::string& kind, const std::string& message) const {
         diagnostics_->warn_of_kind(kind, place(), message);
     }

@@ -87,7 +87,7 @@ class Body {
         const auto line = 1 + std::ranges::count(file_.substr(0, file_.size() - bytes_.size()), '\n');
         return {code, fmt::format("{}:{}: {}", name_, line, what)};
     }
-    // Of a row of which a value cannot be taken.
+    // What to say about a row that ends before its values do.
     Error cut(const Element& element, std::uint64_t row) const {
         const std::string place = fmt::format("{} {} of {}", element.name, row, element.count);
         if (bad_word_.empty()) return error(ErrorCode::kTruncated, fmt::format("the file ends within {}", place));

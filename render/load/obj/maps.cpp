@@ -18,7 +18,7 @@ std::optional<double> map_number(std::string_view word) {
     return fault == std::errc{} && end == word.data() + word.size() && std::abs(x) < 1e30 ? std::optional(x) : std::nullopt;
 }
 
-// Of the ways to where the picture may be, the first that leads to a file.
+// The first of the places where the picture may be that is a file.
 std::optional<std::string> find_file(std::string name, const std::string& mtl_name, const SceneFiles& files) {
     std::ranges::replace(name, '\\', '/');
     const std::filesystem::path folder = std::filesystem::path(mtl_name).parent_path(), given(name);

@@ -30,7 +30,7 @@ struct MtlTarget {
     bool by_vertex_color = false;               // diffuse colours are multiplied by the colours of vertices
 };
 
-// Of the text of file `name`, as the OBJ file names it. A material that is there already is defined anew. False: the text is not
+// `text` is that of file `name`, as the OBJ file names it. A material that exists is defined anew. False: the text is not
 // that of an MTL file, and no part of it is in a message.
 bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& target, MtlMaterials& materials);
 

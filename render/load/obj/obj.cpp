@@ -30,7 +30,7 @@ struct Vertices {
     std::vector<Vec3f> normals{};
 };
 
-// Of a corner of a face, from 0; kNone where it has none.
+// Indices of a corner of a face, from 0; kNone where it has none.
 struct Corner {
     std::uint32_t v = kNone, vt = kNone, vn = kNone;
     bool operator==(const Corner&) const = default;
@@ -102,7 +102,7 @@ class ObjReader {
           diagnostics_(diagnostics),
           all_(read_vertices(text, name, diagnostics)),
           mtl_{files, colors, diagnostics, model_.scene.textures, !all_.colors.empty()} {
-        // Of faces whose material is not there. Colours of vertices are all that it has, if there are any.
+        // The material of faces whose own is missing: colours of vertices if there are any, or grey.
         const double grey = all_.colors.empty() ? 0.5 : 1;
         model_.scene.materials.push_back({});
         model_.scene.materials[0].spectra["reflectance"] =

@@ -11,7 +11,7 @@
 
 namespace latent::render {
 
-// Of the file's text; `name` begins every message. What is wrong goes to `diagnostics`.
+// `text` is that of the file; `name` begins every message. What is wrong goes to `diagnostics`.
 Model read_obj(std::string_view text, const std::string& name, SceneFiles& files, const ModelColors& colors,
                Diagnostics& diagnostics);
 

@@ -17,7 +17,7 @@ namespace latent::render {
 
 namespace {
 
-// Of what is placed by the inverse of this.
+// Whether the inverse of this makes things too small to be computed with.
 bool is_tiny(const Affined& object_from_world) {
     return std::max({max_abs(object_from_world.x), max_abs(object_from_world.y), max_abs(object_from_world.z)}) > 1e15;
 }

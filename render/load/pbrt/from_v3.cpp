@@ -180,7 +180,7 @@ std::vector<Directive> FromPbrtV3::translate(Directive d) {
     const bool is_grey = is("fbm") || is("wrinkled") || is("windy");
     out.push_back(std::move(d));
     if (!is_grey) return out;
-    // pbrt-v4 has numbers alone of noise; of colours it is a mixture of black and white. Names of both kinds are their own.
+    // Noise in pbrt-v4 is numbers alone; as a colour, it is a mixture of black and white. Both kinds have names of their own.
     Directive& noise = out.front();
     noise.strings[1] = "float";
     Directive mixed{.name = "Texture", .where = noise.where, .strings = {noise.strings[0], "spectrum", "mix"}};
@@ -203,7 +203,7 @@ bool FromPbrtV3::rewrite(Directive& d) {
         opacity_ = opacities_.back();
         opacities_.pop_back();
     }
-    // Of the graphics state they keep the transformation alone, where pbrt-v4 keeps all.
+    // They keep only the transformation of the graphics state; pbrt-v4 keeps all of it.
     if (d.name == "TransformBegin") {
         d.name = "CoordinateSystem";
         d.strings = {fmt::format("TransformBegin {}", kept_transforms_++)};
@@ -315,7 +315,7 @@ void FromPbrtV3::texture(Directive& d) {
     d.strings[0] = define("texture", d.strings[0]);
 }
 
-// Of two factors pbrt-v4 has one as a number, or a texture of numbers.
+// One of the two factors is a number in pbrt-v4, or a texture of numbers.
 void FromPbrtV3::scale_texture(Directive& d) const {
     std::optional<Parameter> a = take(d, "tex1"), b = take(d, "tex2");
     if (!a && !b) return;

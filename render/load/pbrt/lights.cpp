@@ -32,7 +32,7 @@ void refuse_radiance(const ParameterList& list) {
         list.error("L and filename cannot be combined; the light that the picture colours is latent:illuminant");
 }
 
-// Of a goniometric light: the mean of each pixel.
+// The picture of a goniometric light: the mean of R, G and B in each pixel.
 std::shared_ptr<const ImageDescription> read_intensities(const ParameterList& list, const std::string& name, SceneFiles& files) {
     const std::shared_ptr<const ImageDescription> image = read_environment(list, name, files);
     if (!image) return nullptr;

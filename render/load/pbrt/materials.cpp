@@ -98,7 +98,7 @@ void check_index(const ParameterList& list, const std::string& name, const Spect
                ": must be positive from 360 to 830 nm (an inline spectrum is 0 outside its samples: give values at both ends)");
 }
 
-// Of something clear, over that of air.
+// The index of something clear, over that of air.
 Part constant_index(const std::string& name, double otherwise) {
     return
         [=](const Reading& r) { r.material.spectra[name] = color::Spectrum::constant(r.list.number(name, otherwise, 1e-3, 1e3)); };
@@ -158,7 +158,7 @@ Part metal(const std::string& prefix = "") {
     };
 }
 
-// Of a layer; without one, nothing scatters in it.
+// The albedo of a layer; without one, nothing scatters in it.
 Part albedo() {
     return [](const Reading& r) {
         reflectance("albedo", 0, "layer.albedo")(r);
@@ -207,7 +207,7 @@ Part measurement() {
     };
 }
 
-// Of Phong's two closures: the matt share, the share of the lobe, its exponent, and one more.
+// Inputs of Phong's two closures: the matt share, the share of the lobe, its exponent, and one more.
 std::vector<Part> glossy(const Part& more) {
     return {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), more, conserving("Kd", "Ks")};
 }

@@ -24,7 +24,7 @@ class Names {
  public:
     // The index of `text`; `next`, at its first mention.
     std::uint32_t mention(const std::string& text, const SourceLocation& where, std::size_t next);
-    // Of a name that was mentioned. False, with an error of `directive`, if it is defined already.
+    // Defines a name, perhaps one that was mentioned. False, with an error of `directive`, if it is defined already.
     bool define(const std::string& text, std::string_view directive, const SourceLocation& where, Diagnostics& diagnostics);
     // Adds those that were mentioned alone. `what`: "material".
     void add_undefined(std::string_view what, std::vector<UndefinedName>& names) const;

@@ -23,7 +23,7 @@ color::Spectrum clamped(const std::function<double(double)>& f) {
 
 bool is_grey(std::span<const double> rgb) { return rgb[0] == rgb[1] && rgb[1] == rgb[2]; }
 
-// Of Y 1.
+// The same light with Y = 1.
 color::Spectrum normalised(const color::Spectrum& light) { return light.scaled(1 / color::photometric_sum(light)); }
 
 }  // namespace

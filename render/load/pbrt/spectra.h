@@ -31,12 +31,12 @@ class SceneSpectra {
     color::Spectrum emission(const ParameterList& list, std::string_view name);
     color::Spectrum white();                     // normalised illuminant of the colour space
     static color::Spectrum white_of_pictures();  // the same of sRGB, which pictures are brought into
-    // Of an rgb in the colour space.
+    // The spectrum of an rgb in the colour space.
     color::Spectrum spectrum_of(const color::Rgb& rgb, SpectrumRole role);
     // The same for voxels: what SpectralVoxels holds.
     bool is_basis() const { return kind_ == color::RgbSpectra::kBasis; }
     std::array<float, 4> voxel_of(const color::Rgb& rgb);
-    // Of linear sRGB of any magnitude.
+    // The spectrum of linear sRGB of any magnitude.
     color::Spectrum unbounded(const std::array<double, 3>& rgb);
 
  private:

@@ -22,7 +22,7 @@ double single_scattering_albedo(double reflectance, double eta) {
     return 1 - std::exp(a * (-5.09406 + a * (2.61188 - a * 4.31805)));
 }
 
-// Of matter that has this reflectance, and, where it scatters alike in all directions, this mean free path.
+// Coefficients of matter with this reflectance and, where it scatters alike in all directions, this mean free path.
 void invert(const color::Spectrum& reflectance, const color::Spectrum& mfp, double eta, MediumDescription& medium) {
     // Matter of mean cosine g is like isotropic matter of the albedo alpha (1 - g) / (1 - alpha g).
     const double g = medium.g, longer = std::max(medium.scale, 1e-12);

@@ -36,9 +36,9 @@ class SceneTextures {
     std::optional<color::Spectrum> find_value(const ParameterList& list, std::string_view name, SpectrumRole role) {
         return spectra_.find(list, name, role);  // where pbrt takes no texture
     }
-    // Of linear rgb of any magnitude, in sRGB.
+    // The spectrum of linear sRGB of any magnitude.
     color::Spectrum unbounded(const std::array<double, 3>& rgb) { return spectra_.unbounded(rgb); }
-    std::uint32_t normal_map(const ParameterList& list);  // of "normalmap"; kNone if it is not there
+    std::uint32_t normal_map(const ParameterList& list);  // the parameter "normalmap"; kNone if it is missing
     // A picture over the uv of a shape, of any magnitude.
     std::uint32_t emission(const ParameterList& list, const std::string& file);
     std::optional<std::uint32_t> find_texture(const ParameterList& list, std::string_view name);  // of numbers

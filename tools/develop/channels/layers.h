@@ -49,7 +49,7 @@ struct EntryCounts {
     int stride() const { return added() + chosen; }
 };
 
-// Of two things that a pixel could be, each a key and two numbers: the one of the larger key, of equal keys that of smaller
+// Chooses between two things that a pixel could be, each a key and two numbers: the larger key wins, among equal keys the smaller
 // numbers. So it does not matter which comes first. Keys that are not positive are nothing.
 inline void choose(double key, double first, double second, double* kept) {
     if (!(key > 0) || key < kept[0]) return;

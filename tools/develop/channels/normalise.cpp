@@ -54,7 +54,7 @@ void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
             put(std::clamp(x, 0.0, 1.0));
     }
     for (int i = 0; i < 3 && layers.normal; ++i) put(mean(layout.normal() + i));
-    // Of what is hit: its mean, where it has some share of the pixel.
+    // The mean of what is hit, where that has some share of the pixel.
     const auto mean_of_hits = [&](int entry, int hits, double none) {
         return mean(hits) >= kMinShareOfHits ? camera[entry] / camera[hits] : none;
     };

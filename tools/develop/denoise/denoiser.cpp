@@ -125,7 +125,7 @@ class Denoiser {
         }
     }
 
-    // Of pixel (x, y): what remains of its own channels is 1 - amount.
+    // The value of pixel (x, y), which keeps 1 - amount of its own.
     float value(std::size_t c, std::int64_t x, std::int64_t y, float amount) const {
         const Channel& channel = channels_[c];
         return amount * (channel.sum.row(y)[x] / weights_.row(y)[x]) + (1 - amount) * channel.value.row(y)[x];

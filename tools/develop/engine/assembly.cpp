@@ -83,7 +83,7 @@ Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& 
 Status Assembly::add(const Windows& windows, const PositiveSums& positive, std::uint64_t z_begin, std::uint64_t z_end) {
     const Pane pane{windows, positive, z_begin, z_end};
     const std::vector<Tile> tiles = tiles_touched(windows);
-    // The pixels of a tile that is complete; of others, none.
+    // The pixels of a tile that is complete; empty for others.
     const auto add_up = [&](std::size_t i) -> Result<std::span<const float>> {
         const Tile& tile = tiles[i];
         const bool complete = tile.last_z < z_end;

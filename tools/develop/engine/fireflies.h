@@ -22,8 +22,8 @@ struct DimmedLight {
     double share() const { return before > 0 ? taken / before : 0; }
 };
 
-// Of the cells of a pane. Samples count by blocks of pixels, each cell by itself, camera and light records apart: so the order and
-// the batches in which they come make no difference.
+// Fireflies in the cells of a pane. Samples count by blocks of pixels, each cell by itself, camera and light records apart: so the
+// order and the batches in which they come make no difference.
 class Fireflies {
  public:
     // A sample is trusted up to kMargin times the brightness that kTrusted samples of its own and the 8 blocks around have.

@@ -31,7 +31,7 @@ class Pane {
     // Adds the records of the pages in `range`, cell by cell, those of one cell in the order of their pages.
     void add_records(std::span<const RecordBatch* const> batches, const PageRange& range);
     const Windows& windows() const { return windows_; }
-    // Of the camera records, or of the light records, that were added since `begin`.
+    // The dimmed light of the camera or light records that were added since `begin`.
     DimmedLight dimmed(sampledb::RecordClass record_class) const;
 
  private:

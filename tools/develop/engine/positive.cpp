@@ -18,7 +18,7 @@ std::size_t size_of(const PixelRect& pixels, int stride) {
     return static_cast<std::size_t>(pixels.width() * pixels.height()) * static_cast<std::size_t>(stride);
 }
 
-// Of two arrays of sums over rectangles, the part that lies in `pixels`: visit(of from, of to, doubles) for each row.
+// Visits the part of two arrays of sums over rectangles that lies in `pixels`: visit(in from, in to, doubles) for each row.
 template <class From, class To, class Visit>
 void for_rows(const PixelRect& pixels, int stride, const PixelRect& from_rect, From* from, const PixelRect& to_rect, To* to,
               const Visit& visit) {

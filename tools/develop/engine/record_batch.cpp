@@ -296,7 +296,7 @@ void Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, float
     }
 }
 
-// Of the rows that are wanted; others count where they are.
+// Counts the wanted rows; others count where they are.
 std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows& moved) const {
     std::vector<float> values(stride_);
     std::uint64_t count = 0;

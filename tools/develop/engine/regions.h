@@ -35,7 +35,7 @@ class Plan {
     struct CellBytes {
         std::uint64_t window, positive;
     };
-    // Of all pages that reach into `needed` (cells).
+    // Plans all pages that reach into `needed` (cells).
     static Result<Plan> make(const sampledb::RunSet& run_set, const FilmGrid& grid, const PixelRect& needed, Classes classes,
                              const Loader& loader, const CellBytes& cell_bytes);
 

@@ -42,7 +42,7 @@ class FilmGrid {
 
     // Cells (as x0..x1-1, y0..y1-1) whose windows meet `pixels`, which lie on the film.
     PixelRect cells_reaching(const PixelRect& pixels) const;
-    // Of a rectangle of cells: the pixels that no other cell reaches, beyond the film's border too, and the cells whose windows lie
+    // The pixels that no cell outside of these reaches, beyond the film's border too; and the cells whose windows lie
     // in them.
     PixelRect inner_pixels(const PixelRect& cells) const;
     PixelRect inner_cells(const PixelRect& cells) const;

@@ -42,8 +42,8 @@ class Opening {
     bool has_rim_;
 };
 
-// Of a cell that lies from (x, y) to (x, y) + side, by kPointsAcross x kPointsAcross points: how much of it lies in the disk, and
-// how much of that is open; of a cell that hardly touches the disk, how much of all.
+// For the cell from (x, y) to (x, y) + side, by kPointsAcross x kPointsAcross points: how much of it lies in the disk, and
+// how much of that is open. If it hardly touches the disk, how much of all is open.
 struct Shares {
     double in_disk, open;
 };
@@ -117,7 +117,7 @@ LensCells cells_of(const Aperture& aperture) {
         across[i] = opening.transmission(place(i) + kSide / 2, aperture.squeeze);
         upwards[i] = opening.transmission(place(i) + kSide / 2, 1);
     }
-    // Of a row of corners of cells: 1 where it is open, and where it lies in the disk.
+    // For a row of corners of cells: 1 where the lens is open, and where the disk is.
     struct Corners {
         std::array<int, kLensCells + 1> open{}, in_disk{};
     };

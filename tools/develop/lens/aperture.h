@@ -33,7 +33,7 @@ Result<Aperture> parse_aperture(std::string_view text);
 // records tell apart (docs/format.md, "Registry").
 inline constexpr std::size_t kLensCells = 256;
 
-// Of each cell.
+// What is known of each cell.
 struct LensCells {
     std::vector<float> area;          // the share of it that lies in the unit disk
     std::vector<float> transmission;  // its mean there, 0..1; without `cat_eye`, which differs over the film

@@ -307,7 +307,7 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
         for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[rows[begin + i] * kLensCells + columns[begin + i]];
         return;
     }
-    // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
+    // The middle of the first cell, from that of the rear rim in records at (0, 0).
     constexpr float kCell = 2.0f / kLensCells;
     const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2;
     std::array<std::int32_t, kAtOnce> x{}, y{};

@@ -38,7 +38,7 @@ class LensSums {
     LensSums() = default;
     explicit LensSums(const std::vector<double>& values);  // kLensCells * kLensCells
     bool empty() const { return above_.empty(); }
-    // Over the rows from first to before last, from one place to another, in cells; of a cell in part, that part.
+    // The sum over the rows from first to before last, from one place to another, in cells. Parts of cells count in part.
     double rows_between(std::size_t first, std::size_t last, double begin, double end) const;
 
  private:
@@ -125,7 +125,7 @@ class LensWeights {
     std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
 
     std::optional<std::size_t> time_column_{};
-    std::array<float, 256> open_{};  // transmission in each cell of time; of a rolling shutter, for the row in the middle
+    std::array<float, 256> open_{};  // transmission in each cell of time; for a rolling shutter, that of the row in the middle
     float time_mean_ = 1;
     // Transmission in a cell of time, by the time from the beginning of a row's exposure to that of the cell. Between the entries,
     // which begin at -1 cell, it is linear, so that its sum over the cells is the same for all rows.

@@ -22,7 +22,7 @@ constexpr double kMinPerPixel = 4;  // samples: each half of a picture has two
 
 std::uint64_t first_half(std::uint64_t samples, int halvings) { return samples >> halvings; }
 
-// Of the first `count` samples of a set: those below its end.
+// The range that ends behind the first `count` samples of a set.
 sampledb::SampleRange first_of(const sampledb::Coverage& all, std::uint64_t count) {
     sampledb::SampleRange first{all.ranges().front().first, all.ranges().front().first};
     for (const sampledb::SampleRange& range : all.ranges()) {

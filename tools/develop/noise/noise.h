@@ -37,13 +37,13 @@ class NoiseMap final : public PictureSink {
 
     std::size_t columns() const { return columns_; }  // areas in a row
     std::size_t rows() const { return rows_; }
-    // Of Y, divided by the mean Y of the area; NaN where that is not positive.
+    // The standard error of Y, divided by the mean Y of the area; NaN where that is not positive.
     float relative(std::size_t column, std::size_t row) const { return relative_[row * columns_ + column]; }
     Percentiles relative() const { return percentiles(relative_); }
-    // Of the code values of the print (sRGB, 0 to 255), the mean square of the three channels.
+    // The standard error of code values of the print (sRGB, 0 to 255): the root mean square of the three channels.
     Percentiles codes() const { return percentiles(codes_); }
 
-    // Of a print of this picture; none without light.
+    // The sensitivity for a print of this picture; none without light.
     std::optional<double> suggested_sigma() const;
 
  private:

@@ -92,7 +92,7 @@ struct PictureReport {
 struct Size {
     std::uint32_t width, height;
 };
-// The size that the samples were rendered for, in the film's shape; of files that do not say, that with at least 16 of all samples
+// The size that the samples were rendered for, in the film's shape; if the files do not say, that with at least 16 of all samples
 // per pixel. A preview, of fewer samples, is no larger than what has one of these per pixel.
 Size default_size(const sampledb::RunSet& all, std::optional<std::uint64_t> preview_samples = std::nullopt);
 // "WxH" or "W". Errors: kUsage, if the shape is off the film's by more than half a pixel, naming a size that fits.
