@@ -152,7 +152,7 @@ void PageEncoder::find_bright_rows(std::span<const float> y) {
 }
 
 void PageEncoder::store_bright(std::span<std::uint32_t> words) {
-    close_up(bright_, words);
+    compress(bright_, words);
     store_planes(std::as_bytes(words.first(bright_count_)), 4);
 }
 

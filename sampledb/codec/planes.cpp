@@ -18,7 +18,7 @@ using Lanes = hn::CappedTag<std::uint8_t, 16>;
 const std::uint8_t* u8(const std::byte* p) { return reinterpret_cast<const std::uint8_t*>(p); }
 std::uint8_t* u8(std::byte* p) { return reinterpret_cast<std::uint8_t*>(p); }
 
-// For each set of four rows, as bytes of a vector: which value goes where if those in the set stand in front (close_up), and if the
+// For each set of four rows, as bytes of a vector: which value goes where if those in the set stand in front (compress), and if the
 // next ones go to the rows of the set (expand); 0x80 makes a zero.
 struct Moves {
     std::array<std::array<std::uint8_t, 16>, 16> together{}, apart{};
@@ -186,7 +186,7 @@ std::size_t find_nonzero(ByteSpan values, Bytes& bitmap) {
     return count;
 }
 
-void close_up(ByteSpan bitmap, std::span<std::uint32_t> values) {
+void compress(ByteSpan bitmap, std::span<std::uint32_t> values) {
     auto* const bytes = reinterpret_cast<std::uint8_t*>(values.data());
     std::size_t count = 0, i = 0;
     for (; i + 4 <= values.size(); i += 4) {

@@ -21,8 +21,8 @@ void unpack_bits(ByteSpan packed, unsigned bits, std::span<std::uint64_t> values
 
 // Which of the values, of four bytes, are not zero, as bit i mod 8 of byte i / 8 of `bitmap`, which is replaced. Returns how many.
 std::size_t find_nonzero(ByteSpan values, Bytes& bitmap);
-// Moves the values whose bits are set to the front; what is behind them is undefined.
-void close_up(ByteSpan bitmap, std::span<std::uint32_t> values);
+// Moves the values whose bits are set to the front. What is behind them is undefined.
+void compress(ByteSpan bitmap, std::span<std::uint32_t> values);
 // The reverse: value i, of four bytes, is the next of `nonzero` where bit i is set, else 0. Behind the values to take,
 // kExpandPadding more may be read.
 constexpr std::size_t kExpandPadding = 4;

@@ -68,7 +68,7 @@ Result<EarlierAttempts> EarlierAttempts::find(const std::filesystem::path& name,
         if (Status s = check_same_job(*file, job); !s) return s.error();
         for (const RunInfo& run : file->contents.runs) earlier.add({path, run});
     }
-    earlier.believe();
+    earlier.keep_sound_runs();
     return earlier;
 }
 
@@ -84,7 +84,7 @@ void EarlierAttempts::add(const StoredRun& stored) {
     if (stored.run.header.content_hash < known.run.header.content_hash) known = stored;
 }
 
-void EarlierAttempts::believe() {
+void EarlierAttempts::keep_sound_runs() {
     std::erase_if(canonical_, [&](const auto& entry) {
         const StoredRun& stored = entry.second;
         if (committed_.intersects(stored.samples()) || !is_sound(stored, job_)) return true;

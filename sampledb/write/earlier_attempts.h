@@ -58,7 +58,7 @@ class EarlierAttempts {
     };
 
     void add(const StoredRun& stored);
-    void believe();
+    void keep_sound_runs();
 
     Job job_;
     SampleRange range_;

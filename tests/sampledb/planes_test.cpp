@@ -86,7 +86,7 @@ TEST(Planes, RowsWithoutTheZerosComeBack) {
                 ASSERT_EQ(bit, i < count && values[i] != 0);
             }
             std::vector<std::uint32_t> together = values;
-            close_up(bitmap, together);
+            compress(bitmap, together);
             EXPECT_TRUE(std::equal(nonzero.begin(), nonzero.end(), together.begin()));
             nonzero.resize(nonzero.size() + kExpandPadding, 0xFFFFFFFF);
             expand(bitmap, nonzero.data(), std::as_writable_bytes(std::span(back)));
