@@ -155,7 +155,7 @@ class Jobs(unittest.TestCase):
             self.assertEqual(first.word(), "new job")
             first.remember()
             open(first.samples, "w").close()
-            self.assertIn("the same job", self.made(folder, "A", {"lamp Key": "1", "world": "2"}).word())
+            self.assertIn("same job", self.made(folder, "A", {"lamp Key": "1", "world": "2"}).word())
             second = self.made(folder, "B", {"lamp Key": "3", "world": "2"})
             self.assertIn("new job: lamp Key changed", second.word())
             self.assertEqual(second.others(), [first.samples])

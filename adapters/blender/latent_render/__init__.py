@@ -20,7 +20,7 @@ def register():
     for owner, settings in properties.OWNERS:
         owner.latent = bpy.props.PointerProperty(type=settings)
     for panel in panels.shared_panels():
-        panel.COMPAT_ENGINES.add("LATENT")
+        panel.COMPAT_ENGINES = panel.COMPAT_ENGINES | {"LATENT"}  # a set of its own: others inherit the old one
 
 
 def unregister():
@@ -29,7 +29,7 @@ def unregister():
     from . import darkroom, engine, panels, properties
 
     for panel in panels.shared_panels():
-        panel.COMPAT_ENGINES.discard("LATENT")
+        panel.COMPAT_ENGINES = panel.COMPAT_ENGINES - {"LATENT"}
     for owner, _ in properties.OWNERS:
         del owner.latent
     for made in reversed((*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine)):

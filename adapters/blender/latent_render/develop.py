@@ -36,8 +36,9 @@ def of_pass(channels, names):
 
 
 def groups_of(program, samples):
-    """Names of the light groups of a file."""
+    """Names of the light groups of a file. The export names every light, so there is none in "unnamed"."""
     report, _ = tools.run([program, "info", samples, "--json"])
-    return [group if isinstance(group, str) else group["name"] for group in report.get("light_groups", [])]
+    names = [group if isinstance(group, str) else group["name"] for group in report.get("light_groups", [])]
+    return [name for name in names if name != "unnamed"]
 
 

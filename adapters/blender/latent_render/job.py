@@ -48,8 +48,8 @@ class Job:
                 return f"back to an earlier job, which continues ({reason} changed)"
             return f"new job: {reason} changed; the samples of the last one are kept"
         if os.path.exists(self.samples):
-            return "the same job: finished samples are kept, missing ones are added"
-        return "the same job resumes" if last else "new job"
+            return "same job: missing samples are added"
+        return "same job: it resumes" if last else "new job"
 
     def remember(self):
         with open(self.note + ".unfinished", "w") as file:

@@ -5,14 +5,14 @@ from . import engine
 
 # Panels of other engines that set what is exported.
 SHARED = {"EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "DATA_PT_spot", "EEVEE_MATERIAL_PT_context_material",
-          "EEVEE_NEXT_MATERIAL_PT_surface", "CYCLES_OBJECT_PT_motion_blur"}
-UNUSED = {"RENDER_PT_simplify_greasepencil", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
+          "EEVEE_NEXT_MATERIAL_PT_surface", "CYCLES_OBJECT_PT_motion_blur", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
+UNUSED = {"RENDER_PT_simplify_greasepencil", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "DATA_PT_light"}  # the last: DATA_PT_EEVEE_light says more
 
 
 def shared_panels():
     for panel in bpy.types.Panel.__subclasses__():
         engines = getattr(panel, "COMPAT_ENGINES", None)
-        if engines is not None and panel.__name__ not in UNUSED and ("BLENDER_RENDER" in engines or panel.__name__ in SHARED):
+        if engines is not None and panel.__name__ not in UNUSED and "freestyle" not in panel.__name__ and ("BLENDER_RENDER" in engines or panel.__name__ in SHARED):
             yield panel
 
 
@@ -35,6 +35,17 @@ class LATENT_PT_samples(LatentPanel, bpy.types.Panel):
             layout.prop(settings, name)
         if engine.last["word"]:
             layout.label(text=engine.last["word"], icon="INFO")
+
+
+class LATENT_PT_motion(LatentPanel, bpy.types.Panel):
+    bl_label, bl_context, bl_options = "Motion Blur", "render", {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.render, "use_motion_blur", text="")
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop(context.scene.render, "motion_blur_shutter", text="Shutter")
 
 
 class LATENT_PT_job(LatentPanel, bpy.types.Panel):
@@ -125,4 +136,4 @@ class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
         self.layout.prop(settings, "visible")
 
 
-CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)
+CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_motion, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)
