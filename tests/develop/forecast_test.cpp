@@ -145,5 +145,19 @@ TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
     EXPECT_GT(forecast["expected_bytes"], forecast["free_bytes"]);
 }
 
+// Trials are smaller, and their sides are rounded: at 395 x 166 they do not have the shape of this film.
+TEST(Forecast, OfAFilmOfAnyShapeIsMade) {
+    const testing::TemporaryFolder folder;
+    sampledb::Job job = synthetic::make_short_job();
+    job.aspect_width = 239, job.aspect_height = 100;
+    const std::string path = (folder / "wide.latent").string();
+    synthetic::write_file(path, synthetic::make_file(job, synthetic::runs_between({0, 4096, 8192})).bytes);
+    for (const char* size : {"398", "403"}) {
+        const testing::Outcome outcome =
+            testing::run({testing::tool("latent-develop"), path, "-o", (folder / "a.exr").string(), "--size", size, "--dry-run"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+    }
+}
+
 }  // namespace
 }  // namespace latent::develop

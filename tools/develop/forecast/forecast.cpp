@@ -114,7 +114,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     constexpr double kSeconds = 1.4, kDecodeSeconds = 0.6, kEnough = 0.25;
     constexpr double kSmall = 1 << 16;  // pixels
     constexpr double kMinBytes = 1 << 22;
-    constexpr double kMinPixels = 1 << 19, kMaxPixels = 1 << 24;
+    constexpr double kMinPixels = 1 << 19, kMaxPixels = 1 << 21;
     constexpr double kMaxFixed = 0.1;  // of the last trial: what seems more is the machine's load, which changes between trials
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
@@ -159,8 +159,9 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     const double tried = area(part.crop), times = pixels_in_all / tried;
     const Cost last_cost = pixels->of(tried), fixed = at_most(pixels->fixed, last_cost * kMaxFixed);
     const Cost pixels_cost = fixed + (last_cost - fixed) * times;
-    const double beyond = decoded - static_cast<double>(last.decoded) * times;  // bytes that pieces had no share in, or had twice
-    out.cost = once + at_least(pixels_cost + bytes->each * beyond, {});
+    // Pieces may decode more than their share of the bytes: pages at their borders, and in a refocused picture many more.
+    const Cost drawing = at_least(pixels_cost - bytes->each * (static_cast<double>(last.decoded) * times), {});
+    out.cost = once + drawing + bytes->each * decoded;
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

@@ -509,7 +509,7 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
 
     const PictureTrial trial = [&](const TrialPicture& picture) -> Result<TrialOutcome> {
         PictureOptions options = asked;
-        options.size = fmt::format("{}x{}", picture.width, picture.height);
+        options.size.clear();  // that of the trial need not have the film's shape to the pixel
         options.crop = picture.crop;
         options.threads = 1;  // several would wait for each other, more often than in long work
         TimedPicture sink(asked.output);
