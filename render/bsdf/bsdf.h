@@ -28,7 +28,8 @@ struct BsdfSample {
 // A fibre has no sides; it is seen where w_camera comes from outside.
 //
 // ns is turned towards ng where the camera would see a reflection from below the surface (`seen_from`), so f depends on which of
-// the two directions is the camera's. A light subpath draws w_camera about the ns that is stored.
+// the two directions is the camera's. A light subpath draws w_camera about the ns that is stored. A coat with a normal of its own
+// does the same for itself, and reflects to wherever the surface does not stand in the way.
 class Bsdf {
  public:
     // frame.z is the shading normal. Valid as long as the values that the closure points to.
@@ -41,6 +42,16 @@ class Bsdf {
     // Multiplies f by `weight`, which must live as long. Directions are drawn as before.
     void weigh(const SampledSpectrum& weight) { weight_ = &weight; }
 
+    // The normal of a coat, if the closure has one.
+    void lay_coat(const Vec3f& n) {
+        std::visit(
+            [&](const auto& closure) {
+                if constexpr (requires { closure.with_coat_normal(n); }) has_coat_normal_ = closure.is_coated() && n != frame_.z;
+            },
+            closure_);
+        coat_n_ = n;
+    }
+
     // Whether rays from w meet it at all: a round fibre is met from outside alone.
     bool is_met_from(const Vec3f& w) const { return !round_ || dot(w, ng_) > 0; }
     // Directions come from a delta function: nothing can be connected to this vertex.
@@ -51,7 +62,7 @@ class Bsdf {
     SampledSpectrum albedo() const;
     // For whom a light's point is drawn, looked at from wo.
     LightSampleContext light_sample_context(const Vec3f& w_camera) const {
-        return {face_forward(seen_from(w_camera).z, w_camera), transmits_};
+        return {face_forward(seen_from(w_camera).z, w_camera), transmits_ || has_coat_normal_};
     }
 
     // value *= f |w_light.ns|. Nothing but zero if is_delta().
@@ -78,6 +89,17 @@ class Bsdf {
     Frame seen_from(const Vec3f& w, bool reflection) const { return tilted_ ? turned_to(w, reflection) : frame_; }
     Frame seen_from(const Vec3f& w) const { return seen_from(w, !delta_ || !transmits_); }
     Frame turned_to(const Vec3f& w, bool reflection) const;
+    Vec3f turned_to(const Vec3f& w, const Vec3f& normal, bool reflection) const;
+    // f of the closure in `frame`, its coat's normal as it is seen from w_camera; null: as it is stored.
+    template <class C, class F>
+    auto with_coat(const C& closure, const Frame& frame, const Vec3f* w_camera, const F& f) const {
+        if constexpr (requires { closure.with_coat_normal(coat_n_); }) {
+            if (has_coat_normal_)
+                return f(
+                    closure.with_coat_normal(frame.to_local(w_camera != nullptr ? turned_to(*w_camera, coat_n_, true) : coat_n_)));
+        }
+        return f(closure);
+    }
     // The side rule, for two directions in the world and in the frame.
     bool connects(const Vec3f& world_a, const Vec3f& world_b, const Vec3f& a, const Vec3f& b) const;
 
@@ -86,6 +108,8 @@ class Bsdf {
     bool delta_, transmits_;
     bool tilted_;  // ns is not ng
     bool fibre_ = false, round_ = false;
+    bool has_coat_normal_ = false;
+    Vec3f coat_n_{};
     const SampledSpectrum* weight_ = nullptr;
     AnyClosure closure_;
 };

@@ -110,21 +110,27 @@ SampledSpectrum MetallicRoughness::filmed_surface(float mu, float mu_light, floa
 void MetallicRoughness::multiply_f_cos(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
     const Vec3f w_camera = brushing_.to_facets(camera), w_light = brushing_.to_facets(light);
     const float mu = std::abs(w_camera.z), mu_light = std::abs(w_light.z);
-    const float below =
-        coat_ > 0 ? (1 - coat_ * coat_albedo_(mu)) * (1 - coat_ * coat_albedo_(mu_light)) : 1;  // what the coat passes, twice
+    Vec3f m;
+    float below = camera.z * light.z > 0 ? 1.0f : 0.0f, coat_cos = 0;  // below: what the coat passes, twice
+    if (coat_ > 0) {
+        const Frame frame = coat_frame();
+        const Vec3f a = frame.to_local(camera), b = frame.to_local(light);
+        below *= (1 - coat_ * coat_albedo_(std::abs(a.z))) * (1 - coat_ * coat_albedo_(std::abs(b.z)));
+        if (half_vector(a, b, 1, m))
+            coat_cos = coat_ * (kCoatF0 + (1 - kCoatF0) * schlick_rise(abs_dot(a, m))) *
+                       facets_over_cosines(coat_facets_, a, b, m) * std::abs(b.z);
+    }
     float times_base = (1 - metallic_) * kInvPi * (1 - albedo_(mu)) * (1 - albedo_(mu_light)) / std::max(1 - albedo_.mean(), 1e-6f),
           constant = 0;
-    float coat = 0, rise = 0, d = 0, c = 1;
-    Vec3f m;
+    float rise = 0, d = 0, c = 1;
     if (half_vector(w_camera, w_light, 1, m)) {
         c = abs_dot(w_camera, m), rise = schlick_rise(c), d = facets_over_cosines(facets_, w_camera, w_light, m);
         times_base += metallic_ * (1 - rise) * d;
         constant = (metallic_ * rise + (1 - metallic_) * (f0_ + (f90_ - f0_) * rise)) * d;
-        if (coat_ > 0) coat = coat_ * (kCoatF0 + (1 - kCoatF0) * rise) * facets_over_cosines(coat_facets_, w_camera, w_light, m);
     }
     if (filmed_ != nullptr) {
         const SampledSpectrum surface = filmed_surface(mu, mu_light, c, d);
-        value *= spectrum_of([&](std::uint32_t i) { return (below * surface.v[i] + coat) * mu_light; });
+        value *= spectrum_of([&](std::uint32_t i) { return below * surface.v[i] * mu_light + coat_cos; });
         return;
     }
     if (specular_color_ != nullptr) {  // body and facets differ with wavelength: E = f0 c e0 + e90
@@ -136,17 +142,17 @@ void MetallicRoughness::multiply_f_cos(const Vec3f& camera, const Vec3f& light, 
                         body = kInvPi * (rest - f0 * e) * (rest_light - f0 * e_light) / std::max(rest_mean - f0 * mean, 1e-6f),
                         dielectric = body * base_->v[i] + (f0 + (f90_ - f0) * rise) * d,
                         metal = (base_->v[i] + (1 - base_->v[i]) * rise) * d;
-            value.v[i] *= (below * ((1 - metallic_) * dielectric + metallic_ * metal) + coat) * mu_light;
+            value.v[i] *= below * ((1 - metallic_) * dielectric + metallic_ * metal) * mu_light + coat_cos;
         }
         return;
     }
     times_base *= below * mu_light;
-    constant = (constant * below + coat) * mu_light;
+    constant = constant * below * mu_light + coat_cos;
     for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= times_base * base_->v[i] + constant;
 }
 
 MetallicRoughness::Lobes MetallicRoughness::lobes(const Vec3f& wo) const {
-    const float mu = std::abs(wo.z), coat = coat_ > 0 ? coat_ * coat_albedo_(mu) : 0;
+    const float mu = std::abs(wo.z), coat = coat_ > 0 ? coat_ * coat_albedo_(abs_dot(wo, coat_n_)) : 0;
     float e = albedo_(mu);
     if (filmed_ != nullptr) {
         const FacetWeights weights = FacetWeights::at(mu, alpha_);
@@ -161,24 +167,37 @@ MetallicRoughness::Lobes MetallicRoughness::lobes(const Vec3f& wo) const {
     return {coat / sum, facets / sum};
 }
 
-float MetallicRoughness::pdf_omega(const Vec3f& out, const Vec3f& in) const {
-    const Vec3f wo = brushing_.to_facets(out), wi = brushing_.to_facets(in);
+float MetallicRoughness::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
     const Lobes p = lobes(wo);
-    float pdf = std::max(1 - p.coat - p.facets, 0.0f) * kInvPi * std::abs(wi.z);
-    Vec3f m;
-    if (!half_vector(wo, wi, 1, m)) return pdf;
-    const float jacobian = 1 / (4 * abs_dot(wo, m));
-    pdf += p.facets * facets_.visible_density(wo, m) * jacobian;
-    if (p.coat > 0) pdf += p.coat * coat_facets_.visible_density(wo, m) * jacobian;
+    const auto mirrored = [](const Microfacets& facets, const Vec3f& a, const Vec3f& b) {
+        Vec3f m;
+        return half_vector(a, b, 1, m) ? facets.visible_density(a, m) / (4 * abs_dot(a, m)) : 0;
+    };
+    float pdf = 0;
+    if (wo.z * wi.z > 0)
+        pdf = std::max(1 - p.coat - p.facets, 0.0f) * kInvPi * std::abs(wi.z) +
+              p.facets * mirrored(facets_, brushing_.to_facets(wo), brushing_.to_facets(wi));
+    if (p.coat > 0) {
+        const Frame frame = coat_frame();
+        pdf += p.coat * mirrored(coat_facets_, frame.to_local(wo), frame.to_local(wi));
+    }
     return pdf;
 }
 
 bool MetallicRoughness::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
     const Lobes p = lobes(wo);
+    const auto mirrored = [&](const Microfacets& facets, const Vec3f& w) {
+        const Vec3f m = facets.sample_visible(w, u, v);
+        return m * (2 * dot(w, m)) - w;
+    };
+    if (u_lobe < p.coat) {
+        const Frame frame = coat_frame();
+        const Vec3f w = frame.to_local(wo), wi = mirrored(coat_facets_, w);
+        out.wi = frame.to_world(wi);
+        return wi.z * w.z > 0;
+    }
     if (u_lobe < p.coat + p.facets) {
-        const Vec3f w = brushing_.to_facets(wo), m = (u_lobe < p.coat ? coat_facets_ : facets_).sample_visible(w, u, v);
-        const Vec3f wi = m * (2 * dot(w, m)) - w;
-        out.wi = brushing_.from_facets(wi);
+        out.wi = brushing_.from_facets(mirrored(facets_, brushing_.to_facets(wo)));
     } else {
         out.wi = sample_cosine_hemisphere(u, v);
         if (wo.z < 0) out.wi.z = -out.wi.z;

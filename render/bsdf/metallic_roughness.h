@@ -15,8 +15,9 @@ namespace latent::render {
 // the coat times its share:
 //   f = (1 - E_c(a)) (1 - E_c(b)) (metallic f_metal + (1 - metallic) (f_facets + b (1 - E(a)) (1 - E(b)) / (pi (1 - mean E))))
 //       + coat f_coat
-// Reciprocal; a white dielectric returns all it gets. The same from both sides. Below the coat, a thin film may lie on both the
-// metal and the dielectric: its reflectance then counts instead of Schlick's, in the share that it covers.
+// Reciprocal while the coat's normal is that of the surface; a white dielectric returns all it gets. The same from both sides.
+// Below the coat, a thin film may lie on both the metal and the dielectric: its reflectance then counts instead of Schlick's, in
+// the share that it covers. What belongs to the coat is measured from its own normal, cosines too.
 class MetallicRoughness {
  public:
     static constexpr std::string_view kName = "metallicroughness";
@@ -47,6 +48,13 @@ class MetallicRoughness {
                       SampledSpectra* spectra = nullptr);
 
     bool is_delta() const { return false; }
+    bool is_coated() const { return coat_ > 0; }
+    // The same, whose coat has this normal.
+    MetallicRoughness with_coat_normal(const Vec3f& n) const {
+        MetallicRoughness out = *this;
+        out.coat_n_ = n;
+        return out;
+    }
     SampledSpectrum albedo() const { return *base_; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
@@ -59,6 +67,7 @@ class MetallicRoughness {
         float coat, facets;
     };
     Lobes lobes(const Vec3f& wo) const;
+    Frame coat_frame() const { return Frame::from_z(coat_n_); }
 
     // What a film needs.
     struct Filmed {
@@ -79,6 +88,7 @@ class MetallicRoughness {
     Brushing brushing_;
     const Filmed* filmed_ = nullptr;
     Microfacets facets_, coat_facets_;
+    Vec3f coat_n_{0, 0, 1};
     // The metal and the dielectric where they reflect most; the dielectric where it reflects least; the coat.
     SchlickAlbedo metal_albedo_, albedo_, min_albedo_, coat_albedo_;
 };

@@ -74,31 +74,32 @@ float albedo_of_fibres(float mu, float alpha) {
 }  // namespace
 
 Sheen::Sheen(const Values<Sheen>& v)
-    : Sheen(v.site.spectra.store<State>({MetallicRoughness(v.of<MetallicRoughness>()), &v.spectrum("sheen.color"),
-                                         v.number("sheen.roughness") * v.number("sheen.roughness")})) {}
+    : Sheen(State{MetallicRoughness(v.of<MetallicRoughness>()), &v.spectrum("sheen.color"),
+                  v.number("sheen.roughness") * v.number("sheen.roughness")}) {}
 
-Sheen::Sheen(const State& state) : state_(&state), alpha_(std::max(state.alpha, kMinAlpha)) {
+Sheen::Sheen(const State& state) : state_(state), alpha_(std::max(state.alpha, kMinAlpha)) {
     const float most = state.color->max();
     sheen_probability_ = most > 0 ? std::clamp(0.5f * most / (most + state.base.albedo().max()), 0.1f, 0.5f) : 0;
 }
 
 void Sheen::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     SampledSpectrum base(1.0f);
-    state_->base.multiply_f_cos(w_camera, w_light, base);
-    const float s = fibres(w_camera, w_light, alpha_) * std::abs(w_light.z);
+    state_.base.multiply_f_cos(w_camera, w_light, base);
+    const float s = w_camera.z * w_light.z > 0 ? fibres(w_camera, w_light, alpha_) * std::abs(w_light.z) : 0;
     const float e = std::max(albedo_of_fibres(std::abs(w_camera.z), alpha_), albedo_of_fibres(std::abs(w_light.z), alpha_));
-    const SampledSpectrum& color = *state_->color;
+    const SampledSpectrum& color = *state_.color;
     for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= color.v[i] * s + (1 - color.v[i] * e) * base.v[i];
 }
 
 float Sheen::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
-    return sheen_probability_ * kInvPi * std::abs(wi.z) + (1 - sheen_probability_) * state_->base.pdf_omega(wo, wi);
+    return sheen_probability_ * kInvPi * std::max(std::copysign(wi.z, wo.z * wi.z), 0.0f) +
+           (1 - sheen_probability_) * state_.base.pdf_omega(wo, wi);
 }
 
 bool Sheen::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
     if (u_lobe >= sheen_probability_)
-        return state_->base.sample(wo, std::min((u_lobe - sheen_probability_) / (1 - sheen_probability_), 1 - 0x1p-24f), u, v, out,
-                                   weight);
+        return state_.base.sample(wo, std::min((u_lobe - sheen_probability_) / (1 - sheen_probability_), 1 - 0x1p-24f), u, v, out,
+                                  weight);
     out.wi = sample_cosine_hemisphere(u, v);
     if (wo.z < 0) out.wi.z = -out.wi.z;
     return out.wi.z * wo.z > 0;

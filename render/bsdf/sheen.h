@@ -19,7 +19,6 @@ class Sheen {
     static constexpr bool kTransmits = false;
     static constexpr float kMinAlpha = 0.01f;  // what is sharper is seen at grazing angles alone
 
-    // What the closure looks at; it must live as long.
     struct State {
         MetallicRoughness base;
         const SampledSpectrum* color;
@@ -30,14 +29,20 @@ class Sheen {
     explicit Sheen(const State& state);
 
     bool is_delta() const { return false; }
-    SampledSpectrum albedo() const { return state_->base.albedo(); }
+    bool is_coated() const { return state_.base.is_coated(); }
+    Sheen with_coat_normal(const Vec3f& n) const {
+        Sheen out = *this;
+        out.state_.base = state_.base.with_coat_normal(n);
+        return out;
+    }
+    SampledSpectrum albedo() const { return state_.base.albedo(); }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
     bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    const State* state_;
+    State state_;
     float alpha_, sheen_probability_;  // that a direction is drawn for the sheen, by the cosine
 };
 

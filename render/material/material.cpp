@@ -41,7 +41,10 @@ void check_names(const MaterialDescription& d, std::span<const Input> inputs, co
 }  // namespace
 
 Material::Material(const MaterialDescription& d, const Textures& textures, SpectrumLibrary& library)
-    : measured_(d.measured ? std::make_unique<const MeasuredTables>(d.measured) : nullptr), mixed_(d.mixed), relief_(d, textures) {
+    : measured_(d.measured ? std::make_unique<const MeasuredTables>(d.measured) : nullptr),
+      mixed_(d.mixed),
+      relief_(Relief::of_surface(d, textures)),
+      coat_relief_(Relief::of_coat(d, textures)) {
     std::span<const Input> inputs = kMixture;
     const auto find_closure = [&]<class... C>(std::type_identity<ClosureList<C...>>) {
         (..., (C::kName == d.type ? void((make_ = &make<C>, inputs = C::kInputs)) : void()));
@@ -52,7 +55,7 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
     check_names(d, inputs, d.spectra, InputRole::kSpectrum);
     check_names(d, inputs, d.options, InputRole::kOption);
     for (const Input& input : inputs) sources_.push_back(source(input, d, textures, library));
-    is_textured_ |= is_mixture() || d.type == Hair::kName || !relief_.is_flat();
+    is_textured_ |= is_mixture() || d.type == Hair::kName || !relief_.is_flat() || !coat_relief_.is_flat();
 }
 
 Material::Source Material::source(const Input& input, const MaterialDescription& d, const Textures& textures,

@@ -37,6 +37,7 @@ class Material {
     std::uint32_t chosen(const TexturePoint& point, std::uint32_t depth, const SampledSpectrum*& weight) const;
 
     const Relief& relief() const { return relief_; }
+    const Relief& coat_relief() const { return coat_relief_; }
 
  private:
     // An input, ready to be evaluated: one of these by its role.
@@ -60,7 +61,7 @@ class Material {
     std::vector<Source> sources_;                     // of the closure's inputs
     std::unique_ptr<const MeasuredTables> measured_;  // null: it was not measured
     std::array<std::uint32_t, 2> mixed_;
-    Relief relief_;
+    Relief relief_, coat_relief_;
 };
 
 }  // namespace latent::render

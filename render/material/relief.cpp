@@ -2,10 +2,11 @@
 
 namespace latent::render {
 
-Relief::Relief(const MaterialDescription& d, const Textures& textures)
-    : displacement_(textures.source(d.displacement)),
-      normals_(displacement_.texture == nullptr && d.normal_map != kNone ? &textures.image(d.normal_map) : nullptr),
-      scale_(d.normal_scale),
+Relief::Relief(const MaterialDescription& d, const FloatSource& displacement, std::uint32_t normal_map, float scale,
+               const Textures& textures)
+    : displacement_(displacement),
+      normals_(displacement_.texture == nullptr && normal_map != kNone ? &textures.image(normal_map) : nullptr),
+      scale_(scale),
       follow_v_(d.normals_follow_v) {}
 
 void Relief::tilt(const TexturePoint& point, const SurfaceCoordinates& c, SurfaceHit& hit) const {

@@ -61,9 +61,11 @@ struct MaterialDescription {
     bool remap_roughness = false;                                 // where a texture gives a facet's alpha, it gives alpha squared
     std::shared_ptr<const MeasuredBrdf> measured{};               // of a closure that is made of measurements
     FloatInput displacement{};                                    // along the normal, by a texture alone
-    std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
-    float normal_scale = 1;                            // of its x and y
-    bool normals_follow_v = false;                     // its y axis is that of v; else it is to the left of its x axis, that of u
+    std::uint32_t normal_map = kNone;       // index into SceneDescription::textures, unless there is a displacement
+    float normal_scale = 1;                 // of its x and y
+    bool normals_follow_v = false;          // its y axis is that of v; else it is to the left of its x axis, that of u
+    std::uint32_t coat_normal_map = kNone;  // the same of a coat, which else has the normals of the shape
+    float coat_normal_scale = 1;
     std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials
     SourceLocation location{};
 

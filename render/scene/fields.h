@@ -77,9 +77,10 @@ void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
     auto& [type, name, numbers, spectra, options, remap_roughness, measured, displacement, normal_map, normal_scale,
-           normals_follow_v, mixed, location] = material;
-    visit(type, numbers, spectra, options, remap_roughness, measured, displacement, normal_scale, normals_follow_v);
-    visit.template index<TextureDescription>(normal_map);
+           normals_follow_v, coat_normal_map, coat_normal_scale, mixed, location] = material;
+    visit(type, numbers, spectra, options, remap_roughness, measured, displacement, normal_scale, normals_follow_v,
+          coat_normal_scale);
+    visit.template index<TextureDescription>(normal_map, coat_normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);
 }

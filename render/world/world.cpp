@@ -98,8 +98,11 @@ Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kep
     const Material* material = &materials_[hit.material];
     const SampledSpectrum* weight = nullptr;
     for (std::uint32_t depth = 0; material->is_mixture(); ++depth) material = &materials_[material->chosen(point, depth, weight)];
+    SurfaceHit coat = hit;
+    material->coat_relief().tilt(point, coordinates, coat);
     material->relief().tilt(point, coordinates, hit);
     Bsdf bsdf = material->bsdf(hit, point, kept);
+    bsdf.lay_coat(coat.ns);
     if (weight != nullptr) bsdf.weigh(*weight);
     return bsdf;
 }

@@ -390,6 +390,30 @@ TEST_F(ModelValues, TangentsOrientNormalMapsInsteadOfCoordinates) {
     }
 }
 
+// A clear coat has the normals of the shape, or those of its own map, and never those of the surface below it [glTF2
+// KHR_materials_clearcoat].
+TEST_F(ModelValues, ACoatHasNormalsOfItsOwn) {
+    testing::write_exr(folder_ / "n.exr", 1, 1, {0.75f, 0.625f, 1});
+    testing::write_exr(folder_ / "c.exr", 1, 1, {0.25f, 0.5f, 1});
+    const auto expect = [](const Vec3f& seen, const Vec3d& direction) {
+        EXPECT_NEAR(length(seen - Vec3f(normalize(direction))), 0, 1e-5) << seen.x << " " << seen.y << " " << seen.z;
+    };
+    for (const bool base : {false, true}) {
+        for (const bool coat : {false, true}) {
+            Uneven square(0, {}, {{1, 1, 1}});
+            square.add_picture("n.exr");
+            const std::size_t own = square.add_picture("c.exr");
+            if (!base) square.material().erase("normalTexture");
+            Json& clear = square.material()["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5}};
+            if (coat) clear["clearcoatNormalTexture"] = {{"index", own}, {"scale", 0.5}};
+            SeenValues seen(load(square));
+            EXPECT_THAT(warnings_, ::testing::IsEmpty());
+            expect(seen.normal(0.3, 0.4), base ? Vec3d(0.5, 0.25, 1) : Vec3d(0, 0, 1));
+            expect(seen.coat_normal(0.3, 0.4), coat ? Vec3d(-0.25, 0, 1) : Vec3d(0, 0, 1));
+        }
+    }
+}
+
 // What needs no tangents does not keep them, and without normals they mean nothing.
 TEST_F(ModelValues, TangentsAreReadWhereTheyCount) {
     testing::write_exr(folder_ / "n.exr", 1, 1, {0.75f, 0.625f, 1});

@@ -37,7 +37,7 @@ Vec3f normal_at(const testing::Scene& scene, float x, float y) {
     const std::unique_ptr<World> world = scene.world();
     std::optional<SurfaceHit> hit = first_hit(world->geometry(), {origin, {0, 0, 1}});
     EXPECT_TRUE(hit);
-    const Relief relief(scene.description.materials[hit->material], textures);
+    const Relief relief = Relief::of_surface(scene.description.materials[hit->material], textures);
     const SurfaceCoordinates c = world->geometry().coordinates(*hit);
     TexturePoint point{};
     point.p = hit->p;
@@ -124,6 +124,10 @@ TEST(TexturedRooms, PathAndBdptAgreeOnReliefTexturesAndMixtures) {
               "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 .2 .2]\n"
               "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"texture roughness\" \"c\"\n"
               "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"texture amount\" \"c\"\n"));
+    // A coat keeps the normal of the shape.
+    expect_agreement(
+        scene("Material \"latent:principled\" \"rgb color\" [.8 .6 .4] \"float roughness\" .6 \"float coat\" 1 "
+              "\"float coatroughness\" .5 \"string normalmap\" \"p.ppm\"\n"));
 }
 
 TEST(Mixture, ChoosesInTheSharesThatItSays) {

@@ -46,14 +46,16 @@ class SeenValues {
         colors.evaluate(rgb.data(), SpectrumRole::kReflectance, spectra, out);
         return out;
     }
-    Vec3f normal(double x, double y) {
-        const Relief relief(look(x, y), *textures_);
+    Vec3f normal(double x, double y) { return tilted(Relief::of_surface(look(x, y), *textures_)); }
+    Vec3f coat_normal(double x, double y) { return tilted(Relief::of_coat(look(x, y), *textures_)); }
+
+ private:
+    // The normal of what `look` saw.
+    Vec3f tilted(const Relief& relief) {
         SurfaceHit tilted = hit_;
         relief.tilt(point_, coordinates_, tilted);
         return tilted.ns;
     }
-
- private:
     SampledSpectra at_wavelengths() {
         SampledSpectra spectra(library_);
         Wavelengths& w = spectra.wavelengths;

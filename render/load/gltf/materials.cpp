@@ -69,8 +69,6 @@ void tell_of_ignored(const GltfValue& material) {
         occlusion.note("is not used: occlusion is computed");
     if (const GltfValue thick = material.extension("KHR_materials_volume")["thicknessTexture"]; thick.exists())
         thick.note("is not used: light takes its way through the shape");
-    if (const GltfValue info = material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"]; info.exists())
-        info.warn("is not supported, and is ignored");
 }
 
 // Where its colour is not black.
@@ -224,7 +222,10 @@ void read_second(const GltfValue& material, const Body& body, const ModelColors&
 GltfMaterial read_material(const GltfValue& material, VertexColors vertices, const ModelColors& colors, GltfTextures& textures) {
     const GltfValue normal = material["normalTexture"], coat = material.extension("KHR_materials_clearcoat"),
                     glossy = material.extension("KHR_materials_pbrSpecularGlossiness");
-    textures.begin_material(normal.exists() ? normal : material.extension("KHR_materials_anisotropy")["anisotropyTexture"]);
+    const GltfValue coat_normal = coat["clearcoatNormalTexture"];
+    textures.begin_material(normal.exists()        ? normal
+                            : coat_normal.exists() ? coat_normal
+                                                   : material.extension("KHR_materials_anisotropy")["anisotropyTexture"]);
     GltfMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = material["name"].text();
@@ -261,8 +262,12 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
     if (normal.exists()) {
         surface.normal_map = textures.normal_map(normal);
         surface.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));
-        surface.normals_follow_v = true;
     }
+    if (coat_normal.exists() && surface.numbers.contains("coat")) {
+        surface.coat_normal_map = textures.normal_map(coat_normal);
+        surface.coat_normal_scale = static_cast<float>(coat_normal["scale"].number(1, -1e6, 1e6));
+    }
+    surface.normals_follow_v = surface.normal_map != kNone || surface.coat_normal_map != kNone;
     if (out.second) {
         out.second->normal_map = surface.normal_map;
         out.second->normal_scale = surface.normal_scale;
@@ -278,7 +283,8 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
     }
     read_emission(material, textures, out);
-    out.needs = {.uv_sets = textures.uv_sets(), .tangents = normal.exists() || surface.numbers.contains("anisotropy")};
+    out.needs = {.uv_sets = textures.uv_sets(),
+                 .tangents = normal.exists() || coat_normal.exists() || surface.numbers.contains("anisotropy")};
     return out;
 }
 

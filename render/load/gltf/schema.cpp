@@ -36,7 +36,7 @@ constexpr GltfObjectType kNormal{kNormalMembers};
 
 constexpr GltfMember kClearcoatMembers[] = {number("clearcoatFactor"), number("clearcoatRoughnessFactor"),
                                             object("clearcoatTexture", kInfo), object("clearcoatRoughnessTexture", kInfo),
-                                            any("clearcoatNormalTexture")};
+                                            object("clearcoatNormalTexture", kNormal)};
 constexpr GltfObjectType kClearcoat{kClearcoatMembers};
 constexpr GltfMember kIridescenceMembers[] = {
     number("iridescenceFactor"),           object("iridescenceTexture", kInfo),   number("iridescenceIor"),
