@@ -133,7 +133,9 @@ TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {
     folder_.write("sub/m.mtl",
                   "newmtl m\nPr .5\nmap_Kd -colorspace sRGB -s 2 3 1 -o 0.25 -clamp on my wood.exr\n"
                   "map_Pr C:\\x\\my wood.exr -imfchan g\n");
-    const LoadedScene scene = load("mtllib sub/m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    const std::string faces = "usemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    EXPECT_THAT(load("mtllib .\\sub\\m.mtl\n" + faces).warnings, IsEmpty());  // as Windows writes it
+    const LoadedScene scene = load("mtllib sub/m.mtl\n" + faces);
     EXPECT_THAT(scene.warnings, IsEmpty());
     const SceneDescription& d = scene.description;
     const MaterialDescription& m = d.materials.at(d.shapes.at(0).material);

@@ -201,6 +201,92 @@ TEST_F(TextureTest, APictureHasItsFirstRowAtTheTopAndItsTexelsCentred) {
     EXPECT_NEAR(at(0.375f, 0.75f), 0.25f, 1e-2);
 }
 
+// One picture, 8 x 2 pixels, whose four quarters are 1, 2, 4 and 1/2.
+TEST_F(TextureTest, RadiancePicturesAreTheSameInEveryForm) {
+    const std::string a("\x80\x80\x80\x81", 4), b("\x80\x80\x80\x82", 4), c("\x80\x80\x80\x83", 4), d("\x80\x80\x80\x80", 4);
+    const auto times_4 = [](const std::string& pixel) { return pixel + pixel + pixel + pixel; };
+    const auto in_runs = [](const std::string& pixel) { return pixel + std::string("\1\1\1\3", 4); };
+    const std::string upper = times_4(a) + times_4(b), lower = times_4(c) + times_4(d), size = "-Y 2 +X 8\n";
+    const auto expect = [&](const std::string& name, const std::string& lines, const std::string& pixels, float factor = 1) {
+        SCOPED_TRACE(name);
+        folder_.write(name, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + lines + pixels);
+        load_float("\"imagemap\" \"string filename\" \"" + name + "\" \"string filter\" \"point\"");
+        EXPECT_NEAR(at(0.25f, 0.75f), factor, 1e-4f * factor);
+        EXPECT_NEAR(at(0.75f, 0.75f), 2 * factor, 1e-4f * factor);
+        EXPECT_NEAR(at(0.25f, 0.25f), 4 * factor, 1e-4f * factor);
+        EXPECT_NEAR(at(0.75f, 0.25f), 0.5f * factor, 1e-4f * factor);
+    };
+    expect("flat.hdr", "\n" + size, upper + lower);
+    expect("runs.hdr", "\n" + size, in_runs(a) + in_runs(b) + in_runs(c) + in_runs(d));
+    std::string planes("\2\2\0\10", 4);  // of the upper row as runs, of the lower one as they are
+    for (const char* plane : {"\x84\x80\x84\x80", "\x84\x80\x84\x80", "\x84\x80\x84\x80", "\x84\x81\x84\x82"})
+        planes += std::string(plane, 4);
+    planes += std::string("\2\2\0\10", 4);
+    for (const char* plane : {"\x80\x80\x80\x80\x80\x80\x80\x80", "\x80\x80\x80\x80\x80\x80\x80\x80",
+                              "\x80\x80\x80\x80\x80\x80\x80\x80", "\x83\x83\x83\x83\x80\x80\x80\x80"})
+        planes += "\10" + std::string(plane, 8);
+    expect("planes.hdr", "\n" + size, planes);
+    expect("from_the_bottom.hdr", "\n+Y 2 +X 8\n", lower + upper);
+    expect("from_the_right.hdr", "\n-Y 2 -X 8\n", times_4(b) + times_4(a) + times_4(d) + times_4(c));
+    expect("exposed.hdr", "EXPOSURE=0.5\nEXPOSURE=0.25\nCOLORCORR=2 2 2\n\n" + size, upper + lower, 4);
+    // X = Y = Z = 1/2, in R, G and B of sRGB.
+    const std::array<float, 3> rgb{0.6023922f, 0.4741504f, 0.4544213f};
+    folder_.write("rgb.pfm", "PF\n1 1\n-1.0\n" + std::string(reinterpret_cast<const char*>(rgb.data()), sizeof(rgb)));
+    load_spectrum("\"imagemap\" \"string filename\" \"rgb.pfm\"");
+    const SampledSpectrum expected = spectrum_at(0.5f, 0.5f);
+    folder_.write("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n" + d);
+    load_spectrum("\"imagemap\" \"string filename\" \"xyz.hdr\"");
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) EXPECT_NEAR(spectrum_at(0.5f, 0.5f)[i], expected[i], 1e-3f) << i;
+    folder_.write("turned.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+X 8 -Y 2\n" + upper + lower);
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+    ASSERT_TRUE(pictures);
+    const Result<image::PictureInfo> turned = (*pictures)->open(folder_ / "turned.hdr", "turned.hdr", {});
+    ASSERT_FALSE(turned);
+    EXPECT_THAT(turned.error().message, HasSubstr("turned.hdr: cannot be read as a picture: its rows run from top to bottom"));
+}
+
+// A PNG of one pixel: `row` begins with the filter.
+std::string png_of(int depth, int color, const std::string& row, const std::string& palette = "", const std::string& alphas = "") {
+    const auto big_endian = [](std::size_t x) {
+        return std::string{static_cast<char>(x >> 24), static_cast<char>(x >> 16), static_cast<char>(x >> 8), static_cast<char>(x)};
+    };
+    const auto chunk = [&](const std::string& type, const std::string& data) {
+        const std::string body = type + data;
+        return big_endian(data.size()) + body +
+               big_endian(crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size())));
+    };
+    std::string packed(64, '\0');
+    uLongf size = packed.size();
+    compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(row.data()), row.size());
+    packed.resize(size);
+    std::string out = "\x89PNG\r\n\x1a\n" + chunk("IHDR", big_endian(1) + big_endian(1) + static_cast<char>(depth) +
+                                                              static_cast<char>(color) + std::string(3, '\0'));
+    if (!palette.empty()) out += chunk("PLTE", palette);
+    if (!alphas.empty()) out += chunk("tRNS", alphas);
+    return out + chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+// Grey level 128 is 0.2159, encoded as sRGB, whatever its alpha is.
+TEST_F(TextureTest, PngsOfEveryKindHaveTheirColours) {
+    const auto expect = [&](const std::string& name, const std::string& png, float value) {
+        folder_.write(name, png);
+        load_spectrum("\"imagemap\" \"string filename\" \"" + name + "\"");
+        for (const float x : spectrum_at(0.5f, 0.5f).v) EXPECT_NEAR(x, value, 1e-4f) << name;
+    };
+    constexpr float kGrey = 0.21586f;
+    const std::string grey("\x80\x80\x80", 3), wide = grey + grey, none(1, '\0');
+    expect("grey.png", png_of(8, 0, none + "\x80"), kGrey);
+    expect("grey_alpha.png", png_of(8, 4, none + "\x80\x40"), kGrey);
+    expect("grey_16.png", png_of(16, 0, none + "\x80\x80"), kGrey);
+    expect("grey_alpha_16.png", png_of(16, 4, none + "\x80\x80" + std::string(2, '\0')), kGrey);
+    expect("white_1.png", png_of(1, 0, none + "\x80"), 1);
+    expect("rgb.png", png_of(8, 2, none + grey, "", std::string("\0\x80\0\x80\0\x80", 6)), kGrey);
+    expect("rgb_16.png", png_of(16, 2, none + wide), kGrey);
+    expect("rgba_16.png", png_of(16, 6, none + wide + std::string(2, '\0')), kGrey);
+    expect("palette_1.png", png_of(1, 3, none + "\x80", "\xFF\xFF\xFF" + grey), kGrey);
+    expect("palette_4.png", png_of(4, 3, none + "\x10", "\xFF\xFF\xFF" + grey, std::string("\xFF\x40", 2)), kGrey);
+}
+
 TEST_F(TextureTest, WrapsContinueAPictureBeyondItsEdges) {
     write_grey("p.pgm", 2, 2, {0, 255, 51, 102});
     const auto load_wrap = [&](const std::string& wrap) {

@@ -216,9 +216,22 @@ class GltfLoader {
                 }
             }
         };
-        if (scenes.size() == 0) return scenes.error("there is no scene");
-        const std::uint32_t scene = root()["scene"].index(scenes).value_or(0);
-        add(scenes[scene]["nodes"], {});
+        if (scenes.size() > 0) {
+            add(scenes[root()["scene"].index(scenes).value_or(0)]["nodes"], {});
+        } else {
+            if (nodes.size() == 0) return scenes.error("there is no scene");
+            scenes.note("there is no scene; all nodes are shown");
+            for (std::size_t i = 0; i < nodes.size(); ++i) {
+                const GltfValue children = nodes[i]["children"];
+                for (std::size_t j = 0; j < children.size(); ++j) {
+                    if (const std::optional<std::uint32_t> child = children[j].index(nodes)) reached[*child] = true;
+                }
+            }
+            for (std::size_t i = nodes.size(); i-- > 0;) {
+                if (!reached[i]) open.push_back({static_cast<std::uint32_t>(i), {}});
+            }
+            reached.flip();  // the roots are, their children are not
+        }
         while (!open.empty()) {
             const Open next = open.back();
             open.pop_back();

@@ -19,8 +19,8 @@ std::optional<double> map_number(std::string_view word) {
 }
 
 // The first of the places where the picture may be that is a file.
-std::optional<std::string> find_file(std::string name, const std::string& mtl_name, const SceneFiles& files) {
-    std::ranges::replace(name, '\\', '/');
+std::optional<std::string> find_file(std::string name, std::string mtl_name, const SceneFiles& files) {
+    for (std::string* path : {&name, &mtl_name}) std::ranges::replace(*path, '\\', '/');
     const std::filesystem::path folder = std::filesystem::path(mtl_name).parent_path(), given(name);
     for (const std::filesystem::path& path : {folder / given, given, folder / given.filename(), given.filename()}) {
         std::error_code unknown;
