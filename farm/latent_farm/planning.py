@@ -46,6 +46,8 @@ REMEMBERED = ("memory", "cpus", "develop", "strips", "compact", "checkpoint", "p
 
 def choose(plan, args):
     """What was asked for on the command line replaces what the plan holds."""
+    tools.check_options("--develop", "latent-develop", args.develop or [], "picture.exr")
+    tools.check_options("--print", "latent-convert", args.print or [], "picture.png")
     developed, printed = (plan.develop, plan.strips), plan.print
     if args.print is not None or args.fps is not None:
         plan.until = "print"

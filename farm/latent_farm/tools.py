@@ -33,6 +33,14 @@ def output_of(command):
     return done.stdout
 
 
+def check_options(option, name, words, output):
+    """Errors: Misuse, if the tool does not know some of `words`, the value of our `option`. It gets a file to read that cannot be there."""
+    command = [path_of(name), f"{os.devnull}/none", "-o", f"no such folder/{output}", *words]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, **TEXT)
+    if done.returncode == USAGE:
+        raise Misuse(f"{option}: " + (done.stderr.strip().splitlines() or [name])[-1])
+
+
 def forecast(arguments, output):
     """What latent-render expects of a render, measured as by its --dry-run. Warnings go to standard error."""
     command = [path_of("latent-render"), *arguments, "--dry-run", "--json", "--quiet", "-o", str(output)]

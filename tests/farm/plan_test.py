@@ -355,6 +355,9 @@ class Plan(FarmTest):
         self.fail_with("hosts: lists no machine", *farm, "--engine", "parallel", "--hosts", self.folder / "hosts")
         self.fail_with("at least 1, or auto", *farm, "--engine", "shell", "--tasks", "foo", status=2)
         self.fail_with("--bogus", *farm, "--engine", "shell", "--", "--bogus", status=2)
+        self.fail_with("did you mean --sensitivity?", *farm, "--print=--sensitivty 2", status=2)
+        self.fail_with("--develop: latent-develop: unknown argument --bogus", *farm, "--develop=--bogus", status=2)
+        self.fail_with('as in --print="--option value"', *farm, "--print", "--auto", status=2)
         self.assertFalse((self.folder / "x").exists())
 
     def test_how_steps_are_run_is_remembered_until_it_is_changed(self):
