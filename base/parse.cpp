@@ -68,7 +68,7 @@ Error is_not(std::string_view text, std::string_view what) { return usage_error(
 
 Result<std::uint64_t> parse_count(std::string_view text) {
     if (const auto value = parse_whole(text, 1000)) return *value;
-    return is_not(text, "a count (try 1000000, 1.5M or 64Ki)");
+    return is_not(text, "a count (try 8, 1.5M or 64Ki)");
 }
 
 Result<std::uint64_t> parse_size(std::string_view text) {

@@ -45,7 +45,7 @@ Result<NoiseTarget> parse_noise_target(std::string_view text) {
     const bool sized = at == text.size() || (pixels && *pixels > 0 && *pixels <= kMaxWidth);
     if (percent.ends_with('%') && number && *number >= 1e-4 && *number <= 1000 && sized)
         return NoiseTarget{*number / 100, static_cast<std::uint32_t>(*pixels)};
-    return is_not(text, "a noise and the width of a picture (try 2%@1920)");
+    return is_not(text, "a noise (try 2%, or 2%@1920 for a picture 1920 pixels wide)");
 }
 
 Result<sampledb::SampleRange> parse_samples(std::string_view text) {

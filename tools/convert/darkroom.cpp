@@ -86,7 +86,7 @@ Result<double> parse_format(std::string_view text) {
     }
     const Result<double> mm = parse_number(text);
     if (mm && *mm >= 1 && *mm <= 1000) return mm;
-    return is_not(text, "a format (try 35mm, 6x6, 6x7, 4x5in, super8, 16mm, or the longer side of the frame in mm)");
+    return is_not(text, "a format (try 35mm, 6x6, 6x7, 4x5in, super8, 16mm, or the longer side of the frame, 1 to 1000 mm)");
 }
 
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source) {
