@@ -74,6 +74,9 @@ const std::map<std::string, Rooms>& arrows() {
         {"tools/develop", {"tools/develop/noise"}},
         {"tools/convert", {"color/film", "image"}},
         {"tools/print", {"tools/develop", "tools/convert"}},
+        {"tools/darkroom/engine", {"tools/develop", "tools/convert"}},
+        {"tools/darkroom/server", {"tools/darkroom/engine"}},
+        {"tools/darkroom", {"tools/darkroom/server"}},
         {"tools/inspect", {"sampledb/write", "tools/develop"}},
 
         {"c_api", {"sampledb/write", "tools/merge"}},
