@@ -232,7 +232,8 @@ TEST(Structure, EverySourceOfTheRendererHasAHeaderOfItsName) {
 }
 
 TEST(Structure, EveryMainIsATableOfContents) {
-    for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/print", "tools/inspect"}) {
+    for (const char* tool :
+         {"render", "tools/merge", "tools/develop", "tools/convert", "tools/print", "tools/darkroom", "tools/inspect"}) {
         const std::string main = content(std::string(tool) + "/main.cpp");
         ASSERT_FALSE(main.empty()) << tool;
         EXPECT_LT(std::count(main.begin(), main.end(), '\n'), 120) << tool;

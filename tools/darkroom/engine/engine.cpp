@@ -23,7 +23,6 @@ using image::Rect;
 namespace {
 
 constexpr int kBlock = 2048;
-constexpr std::uint32_t kMeteredWidth = 1024;
 
 sampledb::RunSetOptions selection_of(const EngineOptions& options, sampledb::VerifyLevel verify) {
     sampledb::RunSetOptions selection;
@@ -86,14 +85,21 @@ Result<Recipe> Engine::resolve(const Recipe& recipe) {
     Result<Decisions> decisions = decide(recipe);
     if (!decisions) return decisions.error();
     if (Status s = check_view(*decisions); !s) return s.error();
+    const develop::PictureOptions& picture = decisions->picture;
+    const Result<develop::Size> of_print =
+        picture.size.empty() ? default_size() : develop::parse_size_on_film(picture.size, runs_->job());
+    if (!of_print) return of_print.error();
+    if (picture.crop && develop::intersection(*picture.crop, pixels_of(whole(*of_print))) != *picture.crop)
+        return usage_error(fmt::format("--crop: is not inside the picture of {} x {} pixels", of_print->width, of_print->height));
     Recipe resolved = recipe;
     convert::CodeValues codes;
-    const Result<develop::Size> size = size_of_width(std::min(kMeteredWidth, default_size().width));
+    const Result<develop::Size> size = size_of_width(std::min(std::uint32_t{kBlock}, default_size().width));
     if (!size) return size.error();
     const std::scoped_lock lock(mutex_);
     const bool chooses = decisions->print.chooses_exposure();
-    // Printing a pixel tells what is wrong with the rest.
-    const Result<convert::ConvertReport> report = print(*decisions, *size, chooses ? whole(*size) : Rect{0, 0, 1, 1}, codes);
+    // Developing and printing a pixel tells what is wrong with the rest.
+    const Rect metered = chooses ? whole(*size) : Rect{0, 0, 1, 1};
+    const Result<convert::ConvertReport> report = print(*decisions, *size, metered, metered, codes);
     if (!report) return report.error();
     if (!chooses) return resolved;
     Recipe& section = resolved["convert"];
@@ -120,7 +126,7 @@ Result<convert::CodeValues> Engine::view(const Recipe& recipe, const develop::Si
             const Rect part = image::intersect(*block, {x, y, area.x1, area.y1});
             x_next = part.x1, y_next = part.y1;
             convert::CodeValues codes;
-            const Result<convert::ConvertReport> report = print(*decisions, size, part, codes);
+            const Result<convert::ConvertReport> report = print(*decisions, size, *block, part, codes);
             if (!report) return report.error();
             if (part == area) return codes;
             const auto channels = static_cast<std::size_t>(codes.channels),
@@ -148,7 +154,7 @@ Result<Histogram> Engine::histogram(const Recipe& recipe, const develop::Size& s
         return usage_error(fmt::format("a histogram is of at most {} pixels a side", kBlock));
     const std::scoped_lock lock(mutex_);
     convert::CodeValues codes;
-    const Result<convert::ConvertReport> report = print(*decisions, size, whole(size), codes);
+    const Result<convert::ConvertReport> report = print(*decisions, size, whole(size), whole(size), codes);
     if (!report) return report.error();
     Histogram histogram{{}, report->print.pixels, report->print.burnt, report->print.black, report->print.out_of_gamut};
     const auto channels = static_cast<std::size_t>(codes.channels);
@@ -230,11 +236,9 @@ Result<std::shared_ptr<const File>> Engine::developed(const Decisions& decisions
     return picture.file();
 }
 
-Result<convert::ConvertReport> Engine::print(const Decisions& decisions, const develop::Size& size, const Rect& area,
-                                             convert::CodeValues& codes) {
-    const Result<Rect> block = block_at(decisions, size, area.x0, area.y0);
-    if (!block) return block.error();
-    const Result<std::shared_ptr<const File>> picture = developed(decisions, size, *block);
+Result<convert::ConvertReport> Engine::print(const Decisions& decisions, const develop::Size& size, const Rect& block,
+                                             const Rect& area, convert::CodeValues& codes) {
+    const Result<std::shared_ptr<const File>> picture = developed(decisions, size, block);
     if (!picture) return picture.error();
     convert::ConvertOptions options = decisions.print;
     options.input = options_.inputs.front();

@@ -54,7 +54,7 @@ class Engine {
     Result<develop::Size> size_of_width(std::uint32_t width) const;
 
     // The recipe with its exposure as a number: "sensitivity", which is chosen from the whole picture where the recipe has none. It
-    // is at most 1024 pixels wide for that, so the number of a print of another size could differ a little; with the number, it
+    // is at most 2048 pixels wide for that, so the number of a print of another size could differ a little; with the number, it
     // cannot. Errors: kUsage, what is wrong with the recipe; of developing.
     Result<Recipe> resolve(const Recipe& recipe);
 
@@ -71,8 +71,9 @@ class Engine {
     // What is developed at once: all of a picture that is small or spreads light, else squares of kBlock.
     static Result<image::Rect> block_at(const Decisions& decisions, const develop::Size& size, int x, int y);
     Result<std::shared_ptr<const File>> developed(const Decisions& decisions, const develop::Size& size, const image::Rect& block);
-    Result<convert::ConvertReport> print(const Decisions& decisions, const develop::Size& size, const image::Rect& area,
-                                         convert::CodeValues& codes);
+    // Pixels `area` of what is developed of `block`.
+    Result<convert::ConvertReport> print(const Decisions& decisions, const develop::Size& size, const image::Rect& block,
+                                         const image::Rect& area, convert::CodeValues& codes);
     Status develop(const develop::PictureOptions& options, develop::PictureSink& sink);
 
     EngineOptions options_;
