@@ -1,7 +1,7 @@
 // Drives the darkroom's page with Chromium, and tells what it shows after each step.
 // Usage: node drive.mjs ADDRESS FOLDER WIDTHxHEIGHT < STEPS
 // STEPS: a JSON list. Each step is one of
-//   {"set": {"stops": 1}}      controls by their ids, as hands would set them (true, false: a check box)
+//   {"set": {"stops": 1}}      controls by their ids or selectors, as hands would set them (true: a check box is clicked)
 //   {"click": "undo"}          a button; or an element's selector, {"click": "#groups button"}
 //   {"key": "."}               a key
 //   {"at": [x, y]}             a click into the window
@@ -62,16 +62,17 @@ async function click(x, y) {
   await send("Input.dispatchMouseEvent", { type: "mousePressed", ...place });
   await send("Input.dispatchMouseEvent", { type: "mouseReleased", ...place });
 }
+const selector = (name) => (/^[\w-]+$/.test(name) ? "#" + name : name);
 async function take(step) {
   if (step.set) {
     for (const [id, value] of Object.entries(step.set)) {
-      await evaluate(`{ const c = document.getElementById(${JSON.stringify(id)}); const v = ${JSON.stringify(value)};
+      await evaluate(`{ const c = document.querySelector(${JSON.stringify(selector(id))}); const v = ${JSON.stringify(value)};
         if (c.type === "checkbox") c.click();
         else { c.value = v; c.dispatchEvent(new Event("input", { bubbles: true })); c.dispatchEvent(new Event("change", { bubbles: true })); } }`);
     }
   }
   if (step.click) {
-    const [x, y] = await evaluate(`{ const e = document.querySelector(${JSON.stringify(/^[\w-]+$/.test(step.click) ? "#" + step.click : step.click)});
+    const [x, y] = await evaluate(`{ const e = document.querySelector(${JSON.stringify(selector(step.click))});
       e.scrollIntoView({ block: "center" }); const r = e.getBoundingClientRect(); [r.x + r.width / 2, r.y + r.height / 2] }`);
     await click(x, y);
   }

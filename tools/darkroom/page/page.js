@@ -50,7 +50,7 @@ const kTile = 512;
 const viewer = OpenSeadragon({
   element: $("picture"), drawer: "canvas", showNavigationControl: false, immediateRender: true, imageLoaderLimit: 3, timeout: 600000,
   gestureSettingsMouse: { clickToZoom: false }, maxZoomPixelRatio: 16, minZoomImageRatio: 0.5, animationTime: 0.3, visibilityRatio: 0.2,
-  imageSmoothingEnabled: false,
+  imageSmoothingEnabled: false, subPixelRoundingForTransparency: OpenSeadragon.SUBPIXEL_ROUNDING_OCCURRENCES.ALWAYS,
 });
 
 /** @param {number} width */
@@ -63,12 +63,13 @@ let seen_width = 0; // of the level that tiles were last asked of
 function source_of(id, width) {
   const height = height_of(width), levels = Math.max(0, Math.ceil(Math.log2(width / 256)));
   return {
-    width, height, tileSize: kTile, tileOverlap: 0, minLevel: 0, maxLevel: levels,
+    width, height, tileSize: kTile, tileOverlap: 1,  // without, tiles are drawn a pixel too large
+    minLevel: 0, maxLevel: levels,
     getTileUrl: (/** @type {number} */ level, /** @type {number} */ x, /** @type {number} */ y) => {
       const w = Math.ceil(width / 2 ** (levels - level)), h = height_of(w);
       seen_width = w;
       const x0 = Math.min(x * kTile, w - 1), y0 = Math.min(y * kTile, h - 1);
-      const area = [x0, y0, Math.min(x0 + kTile, w), Math.min(y0 + kTile, h)];
+      const area = [Math.max(x0 - 1, 0), Math.max(y0 - 1, 0), Math.min(x0 + kTile + 1, w), Math.min(y0 + kTile + 1, h)];
       return new URL(`api/tile?view=${id}&width=${w}&area=${area}`, location.href).href;
     },
   };
