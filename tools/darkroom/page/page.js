@@ -99,6 +99,32 @@ let item;
 let held; // the print that is compared with
 let wanted = 0, shown = 0, running = false;
 
+// Puts the view over what is shown, and in its place once all of it is there.
+/** @param {string} id */
+async function show(id) {
+  view = id;
+  const first = viewer.world.getItemCount() === 0, before = item, fresh = await add_image(id, print_width());
+  if (held) viewer.world.setItemIndex(held, viewer.world.getItemCount() - 1);
+  if (first) viewer.viewport.goHome(true);
+  await loaded(fresh);
+  item = fresh;
+  if (before) viewer.world.removeItem(before);
+}
+
+const kPreview = 1.5e6; // samples
+let developed = ""; // the decisions about light of what is shown
+
+// A preview of some of the samples, where all take a while.
+/** @param {Recipe} asked */
+async function preview(asked) {
+  const share = Number(asked.develop?.fraction ?? 1), fraction = Number((kPreview / state.samples).toPrecision(3));
+  if (fraction > share / 2 || JSON.stringify(asked.develop ?? {}) === developed) return;
+  const made = await ask("views", { method: "POST", body: JSON.stringify({ ...asked, develop: { ...asked.develop, fraction } }) });
+  await show(made.view);
+  $("status").textContent = `preview of ${(100 * fraction).toPrecision(2)} % of the samples; developing the rest …`;
+  await new Promise((later) => setTimeout(later, 300)); // for the next step of a slider
+}
+
 // Shows the recipe: one view at a time, and always the last one that was asked for.
 async function update() {
   ++wanted;
@@ -109,19 +135,14 @@ async function update() {
     document.body.dataset.settled = "";
     $("status").textContent = "developing: what is seen is not up to date …";
     try {
+      await preview(asked);
+      if (now !== wanted) continue;
       const made = await ask("views", { method: "POST", body: JSON.stringify(asked) });
       show_error("");
       commands = made.commands;
       if (recipe === asked) keep(made.recipe);
-      if (made.view !== view || !item) {
-        view = made.view;
-        const first = viewer.world.getItemCount() === 0, before = item, fresh = await add_image(made.view, print_width());
-        if (held) viewer.world.setItemIndex(held, viewer.world.getItemCount() - 1);
-        if (first) viewer.viewport.goHome(true);
-        await loaded(fresh);
-        item = fresh;
-        if (before) viewer.world.removeItem(before);
-      }
+      if (made.view !== view || !item) await show(made.view);
+      developed = JSON.stringify(asked.develop ?? {});
       await show_histogram(made.view);
     } catch (error) {
       show_error(error);
