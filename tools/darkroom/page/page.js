@@ -1,6 +1,7 @@
 // The darkroom's page. What it shows and keeps is a recipe; every control reads its value from there and writes it back.
 // @ts-check
 /* global OpenSeadragon */
+export {};
 
 /** @typedef {{[key: string]: any}} Section */
 /** @typedef {{"latent-recipe": number, develop?: Section, convert?: Section}} Recipe */
