@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -77,6 +78,12 @@ Result<File> File::create_unnamed(const std::filesystem::path& folder) {
     fd = open_retrying(name.path().c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
     if (fd < 0) return error_from_errno(errno, folder.string(), "cannot create a temporary file");
     return File(fd, place);
+}
+
+Result<File> File::create_in_memory() {
+    const int fd = ::memfd_create("latent", MFD_CLOEXEC);
+    if (fd < 0) return error_from_errno(errno, "(memory)", "cannot create a file");
+    return File(fd, "(memory)");
 }
 
 Result<std::uint64_t> File::size() const {

@@ -29,6 +29,9 @@ class File {
     // Read and write, without a name, in the folder `folder`: gone when closed, whatever ends the process.
     static Result<File> create_unnamed(const std::filesystem::path& folder);
 
+    // The same, in memory: it takes as much as is written, besides what the process holds.
+    static Result<File> create_in_memory();
+
     bool is_open() const { return fd_ >= 0; }
     int descriptor() const { return fd_; }
     const std::filesystem::path& path() const { return path_; }

@@ -169,13 +169,17 @@ CLI::App& add_section(CLI::App& app, const std::string& name) {
     return section;
 }
 
+void apply_recipe(CLI::App& app, const std::string& place, const Recipe& recipe) {
+    for (CLI::App* section : app.get_subcommands(is_recipe_section)) {
+        if (const auto values = recipe.find(section->get_group()); values != recipe.end()) apply(place, *section, *values);
+    }
+}
+
 void add_recipe(CLI::App& app) {
     const auto read = [&app](const std::string& path) {
         const Result<Recipe> recipe = read_recipe(path);
         if (!recipe) throw CLI::ValidationError("--recipe", recipe.error().message);
-        for (CLI::App* section : app.get_subcommands(is_recipe_section)) {
-            if (const auto values = recipe->find(section->get_group()); values != recipe->end()) apply(path, *section, *values);
-        }
+        apply_recipe(app, path, *recipe);
     };
     app.add_option_function<std::string>("--recipe", read,
                                          "decisions from a file: a recipe (JSON), or a print, which holds its own; options of the "

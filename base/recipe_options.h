@@ -16,6 +16,10 @@ CLI::App& add_section(CLI::App& app, const std::string& name);
 // excludes it. To be added to an app that has its sections.
 void add_recipe(CLI::App& app);
 
+// For the callback of an option, as --recipe is one: what the command line lacks comes from `recipe`, which errors call `place`.
+// Throws CLI::ValidationError.
+void apply_recipe(CLI::App& app, const std::string& place, const Recipe& recipe);
+
 // What was given, by command line or recipe, in the order in which options were added; what is as by default is left out. Files
 // lose their folders: no print says where anything was.
 Recipe recipe_of(const CLI::App& section);

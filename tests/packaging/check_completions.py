@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-COMMANDS = {"latent-render": [], "latent-merge": [], "latent-develop": [], "latent-convert": [], "latent-print": [],
+COMMANDS = {"latent-render": [], "latent-merge": [], "latent-develop": [], "latent-convert": [], "latent-print": [], "latent-darkroom": [],
             "latent-inspect": ["info", "verify", "recover", "cat", "gen"], "latent-farm": ["plan", "submit", "status", "resume"]}
 
 

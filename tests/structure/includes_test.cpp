@@ -74,6 +74,9 @@ const std::map<std::string, Rooms>& arrows() {
         {"tools/develop", {"tools/develop/noise"}},
         {"tools/convert", {"color/film", "image"}},
         {"tools/print", {"tools/develop", "tools/convert"}},
+        {"tools/darkroom/engine", {"tools/develop", "tools/convert"}},
+        {"tools/darkroom/server", {"tools/darkroom/engine"}},
+        {"tools/darkroom", {"tools/darkroom/server"}},
         {"tools/inspect", {"sampledb/write", "tools/develop"}},
 
         {"c_api", {"sampledb/write", "tools/merge"}},
@@ -229,7 +232,8 @@ TEST(Structure, EverySourceOfTheRendererHasAHeaderOfItsName) {
 }
 
 TEST(Structure, EveryMainIsATableOfContents) {
-    for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/print", "tools/inspect"}) {
+    for (const char* tool :
+         {"render", "tools/merge", "tools/develop", "tools/convert", "tools/print", "tools/darkroom", "tools/inspect"}) {
         const std::string main = content(std::string(tool) + "/main.cpp");
         ASSERT_FALSE(main.empty()) << tool;
         EXPECT_LT(std::count(main.begin(), main.end(), '\n'), 120) << tool;

@@ -125,6 +125,11 @@ Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const 
             if (!sink) return sink.error();
             exposure.sinks.push_back(std::move(*sink));
         }
+        if (options.codes && exposures.empty()) {
+            Result<std::unique_ptr<Sink>> sink = code_sink(*options.codes, exposed, display, options);
+            if (!sink) return sink.error();
+            exposure.sinks.push_back(std::move(*sink));  // after those of `paths`
+        }
         exposures.push_back(std::move(exposure));
     }
     return exposures;
@@ -137,7 +142,7 @@ Status publish(const std::vector<Exposure>& exposures, std::vector<ExposureRepor
     for (std::size_t e = 0; e < exposures.size(); ++e) {
         reports[e].stops = exposures[e].stops;
         reports[e].sigma = exposures[e].sigma;
-        for (std::size_t i = 0; i < exposures[e].sinks.size(); ++i) {
+        for (std::size_t i = 0; i < exposures[e].paths.size(); ++i) {
             if (Status s = exposures[e].sinks[i]->publish(); !s)
                 return Error{s.error().code, s.error().message + (done.empty() ? "" : "; complete and in place: " + done)};
             reports[e].outputs.push_back(exposures[e].paths[i].string());
@@ -277,8 +282,9 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const Result<BandPlan> plan = plan_bands(printed_from, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
     if (*spread) {
-        Result<std::unique_ptr<Rows>> rows =
-            light_rows(*source, *std::move(spread), *plan, folder_of(options.outputs.front()), options.threads);
+        const std::filesystem::path folder =
+            options.outputs.empty() ? std::filesystem::temp_directory_path() : folder_of(options.outputs.front());
+        Result<std::unique_ptr<Rows>> rows = light_rows(*source, *std::move(spread), *plan, folder, options.threads);
         if (!rows) return rows.error();
         pass.light = *std::move(rows);
     }

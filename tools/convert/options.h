@@ -27,10 +27,19 @@ namespace latent::convert {
 
 enum class Depth : std::uint8_t { kDefault, k8, k16, kFloat };
 
+// What a PNG with 8 bits per channel would hold of a print.
+struct CodeValues {
+    int width = 0, height = 0, channels = 3;
+    std::vector<std::byte> codes;  // row after row from the top, all channels of a pixel together
+    bool srgb = true;              // these are code values of sRGB
+    std::vector<std::byte> icc;    // profile of the display
+};
+
 struct ConvertOptions {
     std::filesystem::path input;
     std::shared_ptr<const File> picture;         // to read instead, an EXR file that has no name; errors call it `input`
     std::vector<std::filesystem::path> outputs;  // the format is the extension's
+    std::shared_ptr<CodeValues> codes;           // gets the first print as well, or instead
 
     std::string layer;        // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer
     std::string observer;     // of a spectral picture: of the catalogue, or a CSV file; "": cie1931

@@ -192,6 +192,30 @@ Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, 
         [](image::DeepZoomWriter& w, std::size_t level, ByteSpan rows) { return w.write_rows(level, rows); });
 }
 
+class CodeWriter {
+ public:
+    explicit CodeWriter(CodeValues& to) : to_(to) {}
+    Status write_rows(ByteSpan rows) {
+        to_.codes.insert(to_.codes.end(), rows.begin(), rows.end());
+        return {};
+    }
+    static Status finish() { return {}; }
+    static Status publish() { return {}; }
+
+ private:
+    CodeValues& to_;
+};
+
+Encoder encoder_for(const Display& display, const ConvertOptions& options) {
+    Encoder encoder{SampleType::kU8, display.device ? color::Transfer::linear() : display.space.transfer, options.dither,
+                    display.device};
+    if (options.grey) {
+        const auto& m = display.space.luminance_row;
+        encoder.grey = {static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])};
+    }
+    return encoder;
+}
+
 // The extension in lower case.
 std::string type_of(const std::filesystem::path& path) {
     std::string type = path.extension().string();
@@ -230,16 +254,11 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
                                         const ConvertOptions& options) {
     const std::string type = type_of(path);
     const bool png = type == ".png", tiff = type == ".tif" || type == ".tiff", jpeg = type == ".jpg" || type == ".jpeg";
-    Encoder encoder{SampleType::kU8, display.device ? color::Transfer::linear() : display.space.transfer, options.dither,
-                    display.device};
+    Encoder encoder = encoder_for(display, options);
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
-    if (options.grey) {
-        if (type == ".exr" || type == ".dzi")
-            return usage_error(fmt::format("{}: one channel of grey fits .png, .tif and .jpg", path.string()));
-        const auto& m = display.space.luminance_row;
-        encoder.grey = {static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])};
-    }
+    if (options.grey && (type == ".exr" || type == ".dzi"))
+        return usage_error(fmt::format("{}: one channel of grey fits .png, .tif and .jpg", path.string()));
     if (encoder.channels() == 4 && encoder.sample == SampleType::kF32)
         return usage_error(fmt::format("{}: inks (CMYK) have 8 or 16 bits", path.string()));
     if (encoder.channels() == 4 && !tiff && !jpeg)
@@ -259,6 +278,17 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     const PixelFormat format = encoder.format(picture.area.width(), picture.area.height());
     if (png) return rows_sink(image::create_png(std::move(*out), format, tags, {options.png_level}), picture, encoder);
     return rows_sink(image::create_jpeg(std::move(*out), format, tags, {options.quality}), picture, encoder);
+}
+
+Result<std::unique_ptr<Sink>> code_sink(CodeValues& codes, const PrintedPicture& picture, const Display& display,
+                                        const ConvertOptions& options) {
+    const Encoder encoder = encoder_for(display, options);
+    if (encoder.channels() == 4) return usage_error("the profile is one of inks (CMYK), which no display shows; --proof does");
+    codes.width = picture.area.width(), codes.height = picture.area.height(), codes.channels = encoder.channels();
+    codes.srgb = display.srgb;
+    codes.icc.assign(display.icc.begin(), display.icc.end());
+    return std::make_unique<WriterSink<CodeWriter>>(std::make_unique<CodeWriter>(codes), picture, encoder, 1, 64,
+                                                    [](CodeWriter& w, std::size_t, ByteSpan rows) { return w.write_rows(rows); });
 }
 
 }  // namespace latent::convert

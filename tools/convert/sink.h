@@ -67,4 +67,8 @@ Status check_types(const ConvertOptions& options, std::vector<std::string>& note
 Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const PrintedPicture& picture, const Display& display,
                                         const ConvertOptions& options);
 
+// What a PNG of 8 bits would hold goes to `codes`, which is empty. Errors: kUsage, the profile is one of inks.
+Result<std::unique_ptr<Sink>> code_sink(CodeValues& codes, const PrintedPicture& picture, const Display& display,
+                                        const ConvertOptions& options);
+
 }  // namespace latent::convert

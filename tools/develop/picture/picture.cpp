@@ -356,17 +356,15 @@ Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb:
 }
 
 // `running`: since the command began.
-Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::VerifyLevel verify, const Stopwatch& running,
-                                   PictureSink& sink, const Progress& progress) {
-    const sampledb::RunSetOptions selection = run_set_options(asked, verify);
-    const auto opened = sampledb::RunSet::open(selection);
-    if (!opened) return with_advice(opened.error(), selection.inputs);
-    const Result<PictureOptions> seen = seen_by_lens(asked, **opened);
+Result<PictureReport> develop_open(const PictureOptions& asked, const sampledb::RunSetOptions& selection,
+                                   const sampledb::RunSet& opened, const Stopwatch& running, PictureSink& sink,
+                                   const Progress& progress) {
+    const Result<PictureOptions> seen = seen_by_lens(asked, opened);
     if (!seen) return seen.error();
     const PictureOptions& options = *seen;
     std::optional<Refocused> refocused;
-    if (options.lens.is_refocused()) refocused.emplace(**opened, options.lens.film_shift);
-    const sampledb::RunSet& all = refocused ? *refocused : **opened;
+    if (options.lens.is_refocused()) refocused.emplace(opened, options.lens.film_shift);
+    const sampledb::RunSet& all = refocused ? *refocused : opened;
     const std::uint64_t available = all.coverage().size();
     if (!options.is_preview())
         return develop_prepared(options, all, prepare(options, selection, all, available, default_size(all)), true, sink, progress);
@@ -390,6 +388,14 @@ Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::Verify
         if (!count) return count.error();
     }
     return develop_first(*count, true, progress);
+}
+
+Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::VerifyLevel verify, const Stopwatch& running,
+                                   PictureSink& sink, const Progress& progress) {
+    const sampledb::RunSetOptions selection = run_set_options(asked, verify);
+    const auto opened = sampledb::RunSet::open(selection);
+    if (!opened) return with_advice(opened.error(), selection.inputs);
+    return develop_open(asked, selection, **opened, running, sink, progress);
 }
 
 // The largest size of the film's shape within `pixels`; `pixels` themselves where only rounding is between them.
@@ -541,6 +547,12 @@ Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink
     Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, sink, progress);
     const bool damaged = !report && sampledb::is_unreadable(report.error());
     return damaged ? develop_once(options, sampledb::VerifyLevel::kOrdered, running, sink, progress) : report;
+}
+
+Result<PictureReport> develop_picture(const PictureOptions& options, const sampledb::RunSet& open, PictureSink& sink,
+                                      const Progress& progress) {
+    if (Status s = set_simd_level(options.simd); !s) return s.error();
+    return develop_open(options, run_set_options(options, sampledb::VerifyLevel::kHeaders), open, {}, sink, progress);
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {

@@ -104,6 +104,11 @@ Result<PictureReport> develop_picture(const PictureOptions& options, const Progr
 // The same, to `sink`.
 Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress);
 
+// The same, of runs that are open; what chooses among them was chosen then. Errors: as above, and kCorrupt or kTruncated of a run
+// that is damaged.
+Result<PictureReport> develop_picture(const PictureOptions& options, const sampledb::RunSet& open, PictureSink& sink,
+                                      const Progress& progress);
+
 // A command for each frame: "night.0001.exr", ... are what `options.output` "night.exr" becomes. One frame keeps its name.
 std::vector<PictureOptions> frames_of(const PictureOptions& options);
 

@@ -1,0 +1,169 @@
+// Views of the darkroom beside the prints of latent-print.
+#include "tools/darkroom/engine/engine.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "tests/image/decode.h"
+#include "tests/print/samples.h"
+
+namespace latent::testing {
+namespace {
+
+using darkroom::Engine;
+using image::Rect;
+
+class DarkroomEngine : public Samples {
+ protected:
+    static std::unique_ptr<Engine> open(std::uint64_t memory = std::uint64_t{1} << 30) {
+        auto engine = Engine::open({{path("a.latent")}, false, memory, 2});
+        EXPECT_TRUE(engine) << engine.error().message;
+        return *std::move(engine);
+    }
+    static Recipe recipe_of(const std::string& sections) {
+        const Result<Recipe> recipe = parse_recipe(R"({"latent-recipe": 1)" + (sections.empty() ? "" : ", " + sections) + "}");
+        EXPECT_TRUE(recipe) << recipe.error().message;
+        return *recipe;
+    }
+    // What latent-print writes with `recipe`, decoded.
+    static image::Decoded printed(const Recipe& recipe, std::vector<std::string> options) {
+        const std::string file = write("r.json", recipe.dump());
+        options.insert(options.end(), {"--recipe", file, "-o", path("p.png")});
+        make("latent-print", "a.latent", options);
+        return image::decode_png(path("p.png"));
+    }
+    // Whether `view` has the code values of `print` from (x, y) on.
+    static bool is_part(const convert::CodeValues& view, const image::Decoded& print, int x, int y) {
+        const auto channels = static_cast<std::size_t>(view.channels), row = channels * static_cast<std::size_t>(view.width);
+        if (print.format.channels != view.channels || view.codes.size() != row * static_cast<std::size_t>(view.height))
+            return false;
+        for (int i = 0; i < view.height; ++i) {
+            const auto from = static_cast<std::size_t>((y + i) * print.format.width + x) * channels;
+            for (std::size_t k = 0; k < row; ++k) {
+                if (static_cast<int>(view.codes[static_cast<std::size_t>(i) * row + k]) != static_cast<int>(print.pixels[from + k]))
+                    return false;
+            }
+        }
+        return true;
+    }
+};
+
+const char* const kRecipes[] = {
+    "",
+    R"("convert": {"stops": 1.5, "white": "A", "tone": "filmic", "contrast": 1.3, "gamut": "grey"})",
+    R"("develop": {"light": ["lamp=0"]}, "convert": {"profile": "display-p3"})",
+    R"("develop": {"light": ["sky=6500K,0.25", "lamp=2.5"], "filter": "box"}, "convert": {"stops": -1, "dither": "blue"})",
+    R"("develop": {"denoise": 0.5}, "convert": {"key": 0.3, "show": "clipped"})",
+    R"("develop": {"observer": "canon_eos_5d"}, "convert": {"sensitivity": 2, "dither": "none"})",
+    R"("develop": {"lens-filter": "wratten-25"}, "convert": {"gray": true})",
+    R"("develop": {"film": "kodak-portra-400"}, "convert": {"paper": "scan", "grain": true})",
+    R"("develop": {"dim-fireflies": true, "estimator": "ratio"}, "convert": {"auto": true, "tone": "none"})",
+    R"("develop": {"fraction": 0.5}, "convert": {"glare": "f:16", "vignette": "cos4", "bits": 8})",
+};
+
+TEST_F(DarkroomEngine, AViewHasTheBytesOfThePrint) {
+    const std::unique_ptr<Engine> engine = open();
+    for (const char* sections : kRecipes) {
+        SCOPED_TRACE(sections);
+        const Result<Recipe> recipe = engine->resolve(recipe_of(sections));
+        ASSERT_TRUE(recipe) << recipe.error().message;
+        for (const std::uint32_t width : {75u, 300u}) {
+            const Result<develop::Size> size = engine->size_of_width(width);
+            ASSERT_TRUE(size);
+            const image::Decoded print = printed(*recipe, {"--size", std::to_string(width)});
+            ASSERT_EQ(print.format.width, static_cast<int>(width));
+            for (const Rect& area :
+                 {Rect{0, 0, static_cast<int>(size->width), static_cast<int>(size->height)}, Rect{13, 7, 62, 41}}) {
+                const Result<convert::CodeValues> view = engine->view(*recipe, *size, area);
+                ASSERT_TRUE(view) << view.error().message;
+                EXPECT_TRUE(is_part(*view, print, area.x0, area.y0)) << width;
+            }
+        }
+    }
+}
+
+// A crop cuts the print, and changes no pixel.
+TEST_F(DarkroomEngine, AViewShowsWhatACropLeavesOut) {
+    const std::unique_ptr<Engine> engine = open();
+    const Result<Recipe> recipe =
+        engine->resolve(recipe_of(R"("develop": {"size": 150, "crop": "20,10,120,90"}, "convert": {"crop": "30,20,100,80"})"));
+    ASSERT_TRUE(recipe) << recipe.error().message;
+    const Result<convert::CodeValues> view = engine->view(*recipe, {150, 100}, {30, 20, 100, 80});
+    ASSERT_TRUE(view) << view.error().message;
+    EXPECT_TRUE(is_part(*view, printed(*recipe, {}), 0, 0));
+    EXPECT_TRUE(engine->view(*recipe, {150, 100}, {0, 0, 150, 100}));
+}
+
+// Pictures of more than 2048 x 2048 pixels are developed in squares; the least memory keeps one of them at a time.
+TEST_F(DarkroomEngine, PartsOfALargePictureFitTogetherWhateverTheMemory) {
+    const Recipe recipe = recipe_of(R"("convert": {"sensitivity": 1}, "develop": {"light": ["lamp=3"]})");
+    const image::Decoded print = printed(recipe, {"--size", "3000"});
+    for (const std::uint64_t memory : {std::uint64_t{96} << 20, std::uint64_t{1} << 30}) {
+        const std::unique_ptr<Engine> engine = open(memory);
+        for (const Rect& area : {Rect{1990, 1900, 2200, 2000}, Rect{2040, 0, 2060, 300}, Rect{0, 1999, 3000, 2000}}) {
+            const Result<convert::CodeValues> view = engine->view(recipe, {3000, 2000}, area);
+            ASSERT_TRUE(view) << view.error().message;
+            EXPECT_TRUE(is_part(*view, print, area.x0, area.y0));
+        }
+    }
+}
+
+TEST_F(DarkroomEngine, AChosenExposureIsNearThatOfThePrint) {
+    const std::unique_ptr<Engine> engine = open();
+    const Result<Recipe> recipe = engine->resolve(recipe_of(R"("convert": {"auto": true})"));
+    ASSERT_TRUE(recipe);
+    EXPECT_FALSE((*recipe)["convert"].contains("auto"));
+    // The size that is metered is the size that was rendered for: so the exposure is the same.
+    const Recipe automatic = recipe_of(R"("convert": {"auto": true})");
+    EXPECT_EQ(printed(*recipe, {}).pixels, printed(automatic, {}).pixels);
+}
+
+TEST_F(DarkroomEngine, AProbeTellsThePixelOfThePicture) {
+    const std::unique_ptr<Engine> engine = open();
+    const Result<Recipe> recipe = engine->resolve(recipe_of(R"("develop": {"light": ["lamp=2"]})"));
+    ASSERT_TRUE(recipe);
+    const Result<darkroom::Probe> probe = engine->probe(*recipe, {300, 200}, 150, 100);
+    ASSERT_TRUE(probe) << probe.error().message;
+    const Result<convert::CodeValues> view = engine->view(*recipe, {300, 200}, {150, 100, 151, 101});
+    ASSERT_TRUE(view);
+    for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_EQ(probe->codes[c], static_cast<int>(view->codes[c]));
+        EXPECT_GT(probe->values[c], 0);
+        EXPECT_GT(probe->standard_errors[c], 0);
+        EXPECT_LT(probe->standard_errors[c], probe->values[c]);
+    }
+    EXPECT_GT(probe->samples, 0);
+}
+
+TEST_F(DarkroomEngine, AHistogramCountsThePixelsOfTheView) {
+    const std::unique_ptr<Engine> engine = open();
+    const Recipe recipe = recipe_of(R"("convert": {"sensitivity": 40})");
+    const Result<darkroom::Histogram> histogram = engine->histogram(recipe, {150, 100});
+    ASSERT_TRUE(histogram) << histogram.error().message;
+    const Result<convert::CodeValues> view = engine->view(recipe, {150, 100}, {0, 0, 150, 100});
+    ASSERT_TRUE(view);
+    std::array<std::array<std::uint64_t, 256>, 3> counts{};
+    for (std::size_t i = 0; i < view->codes.size(); ++i) ++counts[i % 3][static_cast<std::size_t>(view->codes[i])];
+    EXPECT_EQ(histogram->counts, counts);
+    EXPECT_EQ(histogram->pixels, 15000u);
+    EXPECT_GT(histogram->burnt, 0u);
+}
+
+TEST_F(DarkroomEngine, WhatOnlyAPrintCanHaveIsSaid) {
+    const std::unique_ptr<Engine> engine = open();
+    const auto refused = [&](const std::string& sections, const std::string& why) {
+        const Result<Recipe> recipe = engine->resolve(recipe_of(sections));
+        ASSERT_FALSE(recipe);
+        EXPECT_EQ(recipe.error().code, ErrorCode::kUsage);
+        EXPECT_NE(recipe.error().message.find(why), std::string::npos) << recipe.error().message;
+    };
+    refused(R"("convert": {"level": 1})", "--level: a view has the sizes that are asked for");
+    refused(R"("convert": {"white": "1,2,3,4"})", "--white: a view needs a chromaticity");
+    refused(R"("develop": {"light": ["lampe=2"]})", "lampe");
+    refused(R"("develop": {"lihgt": 2})", "did you mean light?");
+    refused(R"("convert": {"dpi": 200, "paper-width": 100})", "--paper-width");
+}
+
+}  // namespace
+}  // namespace latent::testing

@@ -1,0 +1,138 @@
+// The page in Chromium: what each control shows is what the command line prints.
+#include <fstream>
+
+#include "tests/image/decode.h"
+#include "tests/latent_darkroom/served.h"
+
+namespace latent::testing {
+namespace {
+
+class DarkroomPage : public Served {
+ protected:
+    // What drive.mjs saw after each step.
+    Json drive(const Json& steps) {
+        const std::string script = in_tree("tests/latent_darkroom/browser/drive.mjs");
+        const std::string file = write("steps.json", steps.dump());
+        std::filesystem::create_directories(path("seen"));
+        const Outcome outcome = run({"/bin/sh", "-c", "exec node \"$0\" \"$1\" \"$2\" 1280x720 < \"$3\"", script,
+                                     "http://127.0.0.1:" + std::to_string(port_) + base_, path("seen"), file});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        const Json told = Json::parse(outcome.out, nullptr, false);
+        EXPECT_TRUE(told.is_object()) << outcome.out;
+        // OpenSeadragon adds a rule for phones that lie on their side, which the policy forbids.
+        EXPECT_LE(told["complaints"].size(), 1u) << told["complaints"];
+        return told["seen"];
+    }
+    static image::Decoded printed(const std::vector<std::string>& options) {
+        make("latent-print", "a.latent", with(options, {"-o", path("p.png")}));
+        return image::decode_png(path("p.png"));
+    }
+    static std::string sensitivity_of(const image::Decoded& print) {
+        for (const auto& [key, value] : print.texts) {
+            if (key == "Sensitivity") return value;
+        }
+        return "";
+    }
+    static std::string bytes_from_base64(const std::string& text) {
+        std::string bytes;
+        std::uint32_t bits = 0;
+        int count = 0;
+        for (const char c : text) {
+            constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+            const std::size_t digit = kDigits.find(c);
+            if (digit == std::string_view::npos) break;
+            bits = bits << 6 | static_cast<std::uint32_t>(digit), count += 6;
+            if (count >= 8) bytes += static_cast<char>(bits >> (count -= 8) & 0xff);
+        }
+        return bytes;
+    }
+    static bool is_same(const std::string& bytes, const image::Decoded& print) {
+        return bytes.size() == print.pixels.size() &&
+               std::equal(bytes.begin(), bytes.end(), print.pixels.begin(),
+                          [](char a, std::byte b) { return static_cast<std::byte>(a) == b; });
+    }
+};
+
+TEST_F(DarkroomPage, EachControlPrintsAsTheCommandLine) {
+    struct Step {
+        Json done;
+        std::vector<std::string> options;  // that are added
+    };
+    const std::vector<Step> steps = {
+        {{{"set", {{"stops", "1"}}}}, {"--stops", "1"}},
+        {{{"set", {{"denoise", "1"}, {"fireflies", true}}}}, {"--denoise=1", "--dim-fireflies"}},
+        {{{"set", {{"white", "A"}}}}, {"--white", "A"}},
+        {{{"set", {{"tone", "filmic"}, {"contrast", "1.3"}, {"black", "0.02"}}}},
+         {"--tone", "filmic", "--contrast", "1.3", "--black", "0.02"}},
+        {{{"set", {{"gamut", "grey"}, {"profile", "display-p3"}}}}, {"--gamut", "grey", "--profile", "display-p3"}},
+        {{{"click", "[aria-label='Mute sky']"}}, {"--light", "sky=0"}},
+        {{{"set", {{"[aria-label='Stops of lamp']", "1.5"}, {"[aria-label^='Colour temperature of lamp']", "3000"}}}},
+         {"--light", "lamp=3000K,2.82843"}},
+        {{{"set", {{"observer", "cie1964"}, {"filter", "wratten-81"}}}}, {"--observer", "cie1964", "--lens-filter", "wratten-81"}},
+        {{{"click", "clipped"}}, {"--show", "clipped"}},
+    };
+    Json done = Json::array({Json::object()});
+    for (const Step& step : steps) done.push_back(step.done);
+    done.push_back({{"click", "undo"}});
+    done.push_back({{"click", "reset"}});
+    const Json seen = drive(done);
+    ASSERT_EQ(seen.size(), done.size());
+
+    const image::Decoded automatic = printed({});
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[0]["tile"]), automatic));
+    std::vector<std::string> options{"--sensitivity", sensitivity_of(automatic)};
+    std::vector<std::string> views{seen[0]["view"]};
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        SCOPED_TRACE(steps[i].done.dump());
+        options = with(options, steps[i].options);
+        EXPECT_EQ(seen[i + 1]["error"], "");
+        EXPECT_TRUE(is_same(bytes_from_base64(seen[i + 1]["tile"]), printed(options)));
+        EXPECT_NE(seen[i + 1]["tile"], seen[i]["tile"]);
+        views.push_back(seen[i + 1]["view"]);
+    }
+    EXPECT_EQ(seen[steps.size() + 1]["view"], views[steps.size() - 1]);
+    EXPECT_EQ(seen[steps.size() + 2]["view"], views[0]);
+}
+
+// At 1:1, pixels of the print are those of the screen.
+TEST_F(DarkroomPage, TheScreenShowsThePixelsOfThePrint) {
+    const Json seen = drive({{{"set", {{"stops", "0.5"}}}}, {{"key", "1"}, {"shot", "one.png"}}});
+    const image::Decoded print = printed({"--stops", "0.5"}), shot = image::decode_png(path("seen/one.png"));
+    const auto channels = static_cast<std::size_t>(shot.format.channels);
+    const int x0 = (1280 - 344 - 300) / 2, y0 = (720 - 200) / 2;
+    int different = 0;
+    for (int y = 0; y < 200; ++y) {
+        for (int x = 0; x < 300; ++x) {
+            const auto* a = shot.pixels.data() + static_cast<std::size_t>((y + y0) * shot.format.width + x + x0) * channels;
+            different += std::equal(a, a + 3, print.pixels.data() + static_cast<std::size_t>(y * 300 + x) * 3) ? 0 : 1;
+        }
+    }
+    EXPECT_EQ(different, 0);
+}
+
+TEST_F(DarkroomPage, MistakesAreSaidAndPrintsRecipesAndProbesWork) {
+    const Json seen = drive({{{"set", {{"tone", "none"}}}},
+                             {{"set", {{"contrast", "2"}}}},
+                             {{"click", "undo"}},
+                             {{"set", {{"size", "150"}}}},
+                             {{"set", {{"crop", "10,20,140,90"}}}},
+                             {{"set", {{"name", "dusk"}}}},
+                             {{"click", "save"}},
+                             {{"click", "print"}},
+                             {{"click", "probe"}},
+                             {{"at", {468, 360}}, {"shot", "crop.png"}}});
+    EXPECT_EQ(seen[1]["error"], "--contrast and --black need a tone curve, but --tone is none");
+    EXPECT_EQ(seen[2]["error"], "");
+    Json jobs = get("api/prints");
+    for (; jobs[0]["state"] == "running"; jobs = get("api/prints")) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(jobs[0]["state"], "done") << jobs;
+    const image::Decoded print = image::decode_png(path("kept/dusk.png"));
+    const image::Decoded expected = printed({"--recipe", path("kept/dusk.json")});
+    EXPECT_EQ(print.format.width, 130);
+    EXPECT_EQ(print.format.height, 70);
+    EXPECT_EQ(print.pixels, expected.pixels);
+    EXPECT_EQ(std::string(seen[9]["probed"]).find("pixel 75, 50: "), 0u) << seen[9]["probed"];
+}
+
+}  // namespace
+}  // namespace latent::testing

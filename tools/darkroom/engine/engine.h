@@ -1,0 +1,85 @@
+// tools/darkroom/engine/engine.h: runs that are held open, and any part of their print at any size. docs/latent_darkroom.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/recipe.h"
+#include "base/result.h"
+#include "sampledb/read/run_set.h"
+#include "tools/convert/options.h"
+#include "tools/darkroom/engine/decisions.h"
+#include "tools/darkroom/engine/picture_cache.h"
+#include "tools/develop/picture/picture.h"
+
+namespace latent::darkroom {
+
+struct EngineOptions {
+    std::vector<std::filesystem::path> inputs;
+    bool skip_duplicates = false;
+    std::uint64_t memory = std::uint64_t{1} << 30;
+    int threads = 0;
+};
+
+// Of a print: how often each code value occurs in red, green and blue (or three times in grey), and what it could not show.
+struct Histogram {
+    std::array<std::array<std::uint64_t, 256>, 3> counts{};
+    std::uint64_t pixels = 0, burnt = 0, black = 0, out_of_gamut = 0;
+};
+
+// A pixel of a size, before noise is removed from it.
+struct Probe {
+    std::string observer;  // whose values they are; X, Y, Z of cie1931
+    std::array<double, 3> values{}, standard_errors{};
+    std::array<int, 3> codes{};  // of the print
+    double samples = 0;          // that reach it
+};
+
+class Engine {
+ public:
+    // Errors: of opening the files.
+    static Result<std::unique_ptr<Engine>> open(EngineOptions options);
+
+    const sampledb::RunSet& runs() const { return *runs_; }
+    std::vector<std::string> light_groups() const;  // none: the files do not keep lights apart
+    std::optional<double> f_number() const;         // of the lens, if its aperture can be chosen
+    bool knows_shutter() const;                     // whether the shutter can be chosen
+    develop::Size default_size() const { return develop::default_size(*runs_); }
+    Result<develop::Size> size_of_width(std::uint32_t width) const;
+
+    // The recipe with its exposure as a number: "sensitivity", which is chosen from the whole picture where the recipe has none. It
+    // is at most 2048 pixels wide for that, so the number of a print of another size could differ a little; with the number, it
+    // cannot. Errors: kUsage, what is wrong with the recipe; of developing.
+    Result<Recipe> resolve(const Recipe& recipe);
+
+    // Pixels `area` of the picture `size`: as latent-print prints them with this recipe and that --size, without a crop, as 8-bit
+    // PNG. The recipe is one that `resolve` returned: without a number, each part would choose its own exposure.
+    Result<convert::CodeValues> view(const Recipe& recipe, const develop::Size& size, const image::Rect& area);
+    // Of the whole picture.
+    Result<Histogram> histogram(const Recipe& recipe, const develop::Size& size);
+    Result<Probe> probe(const Recipe& recipe, const develop::Size& size, int x, int y);
+
+ private:
+    Engine(EngineOptions options, std::unique_ptr<sampledb::RunSet> runs);
+
+    // What is developed at once: all of a picture that is small or spreads light, else squares of kBlock.
+    static Result<image::Rect> block_at(const Decisions& decisions, const develop::Size& size, int x, int y);
+    Result<std::shared_ptr<const File>> developed(const Decisions& decisions, const develop::Size& size, const image::Rect& block);
+    // Pixels `area` of what is developed of `block`.
+    Result<convert::ConvertReport> print(const Decisions& decisions, const develop::Size& size, const image::Rect& block,
+                                         const image::Rect& area, convert::CodeValues& codes);
+    Status develop(const develop::PictureOptions& options, develop::PictureSink& sink);
+
+    EngineOptions options_;
+    std::unique_ptr<sampledb::RunSet> runs_;
+    std::mutex mutex_;  // one piece of work at a time, on all threads
+    PictureCache cache_;
+};
+
+}  // namespace latent::darkroom

@@ -1,0 +1,66 @@
+// latent-darkroom: what can be decided after rendering, on a page.
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <csignal>
+#include <thread>
+
+#include "base/cli.h"
+#include "base/json.h"
+#include "tools/darkroom/arguments.h"
+#include "tools/darkroom/engine/engine.h"
+#include "tools/darkroom/server/server.h"
+
+namespace {
+
+std::string introduction(const latent::darkroom::Server& server, const std::filesystem::path& folder, bool json) {
+    if (json) return latent::json_text(nlohmann::ordered_json{{"address", server.address()}, {"port", server.port()}}) + "\n";
+    return fmt::format(
+        "{0}\nOpen this address in a browser of this machine. From another one, first: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE\n"
+        "Recipes and prints are kept in {2}. Ctrl-C ends.\n",
+        server.address(), server.port(), folder.string());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    using namespace latent;
+
+    darkroom::EngineOptions opened;
+    darkroom::ServerOptions served;
+    cli::CommonOptions common;
+    CLI::App app{"See samples as a print, and decide about it, on a page in a browser.", "latent-darkroom"};
+    darkroom::add_arguments(app, opened, served);
+    cli::add_common(app, common, true);
+    if (const auto done = cli::parse(app, argc, argv)) return *done;
+
+    // Before there is a thread: all leave these signals to the one that waits for them.
+    sigset_t ends;
+    sigemptyset(&ends);
+    sigaddset(&ends, SIGINT);
+    sigaddset(&ends, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+
+    opened.memory = common.memory;
+    opened.threads = common.threads;
+    const auto engine = darkroom::Engine::open(opened);
+    if (!engine) return cli::fail(engine.error());
+    cli::tell((*engine)->runs().report().notes, {}, {});
+    served.inputs = opened.inputs;
+    served.print = darkroom::print_command(opened);
+    const auto server = darkroom::Server::open(**engine, served);
+    if (!server) return cli::fail(server.error());
+    cli::print(introduction(**server, served.folder, common.json));
+    std::fflush(stdout);
+
+    std::thread waiting([&] {
+        int signal = 0;
+        sigwait(&ends, &signal);
+        (*server)->stop();
+    });
+    (*server)->run();
+    waiting.join();
+    return cli::kDone;
+} catch (...) {
+    return latent::cli::fail_with_exception();
+}

@@ -1,0 +1,520 @@
+// The darkroom's page. What it shows and keeps is a recipe; every control reads its value from there and writes it back.
+// @ts-check
+/* global OpenSeadragon */
+export {};
+
+/** @typedef {{[key: string]: any}} Section */
+/** @typedef {{"latent-recipe": number, develop?: Section, convert?: Section}} Recipe */
+
+/** @param {string} id @returns {any} */
+const $ = (id) => document.getElementById(id);
+
+/** @param {string} path @param {RequestInit} [how] */
+async function ask(path, how) {
+  const response = await fetch("api/" + path, how);
+  const json = await response.json();
+  if (!response.ok) throw new Error(json.error ?? response.statusText);
+  return json;
+}
+
+const state = await ask("state");
+/** @type {Recipe} */
+let recipe = { "latent-recipe": 1 };
+/** @type {string[]} */
+let history = [];
+let place = -1; // in the history
+let commands = "";
+/** @type {string | undefined} */
+let view;
+
+// --- The recipe, by section and key; undefined: as by default.
+
+/** @param {"develop" | "convert"} section @param {string} key */
+const get = (section, key) => recipe[section]?.[key];
+/** @param {"develop" | "convert"} section @param {string} key @param {any} value */
+function put(section, key, value) {
+  const values = { ...recipe[section] };
+  if (value === undefined || value === "") delete values[key];
+  else values[key] = value;
+  recipe = { ...recipe, [section]: values };
+}
+
+/** @param {unknown} error */
+function show_error(error) {
+  $("error").textContent = error ? String(/** @type {any} */ (error).message ?? error) : "";
+  $("error").hidden = !error;
+}
+
+// --- The picture: levels of a pyramid over the film, each developed at its own size.
+
+const kTile = 512;
+const viewer = OpenSeadragon({
+  element: $("picture"), drawer: "canvas", showNavigationControl: false, immediateRender: true, imageLoaderLimit: 3, timeout: 600000,
+  gestureSettingsMouse: { clickToZoom: false }, maxZoomPixelRatio: 16, minZoomImageRatio: 0.5, animationTime: 0.3, visibilityRatio: 0.2,
+  imageSmoothingEnabled: false, subPixelRoundingForTransparency: OpenSeadragon.SUBPIXEL_ROUNDING_OCCURRENCES.ALWAYS,
+});
+
+/** @param {number} width */
+const height_of = (width) => Math.max(1, Math.round(width / (state.aspect[0] / state.aspect[1])));
+const print_width = () => parseInt(get("develop", "size") ?? state.width, 10) || state.width;
+
+let seen_width = 0; // of the level that tiles were last asked of
+
+/** @param {string} id @param {number} width */
+function source_of(id, width) {
+  const height = height_of(width), levels = Math.max(0, Math.ceil(Math.log2(width / 256)));
+  return {
+    width, height, tileSize: kTile, tileOverlap: 1,  // without, tiles are drawn a pixel too large
+    minLevel: 0, maxLevel: levels,
+    getTileUrl: (/** @type {number} */ level, /** @type {number} */ x, /** @type {number} */ y) => {
+      const w = Math.ceil(width / 2 ** (levels - level)), h = height_of(w);
+      seen_width = w;
+      const x0 = Math.min(x * kTile, w - 1), y0 = Math.min(y * kTile, h - 1);
+      const area = [Math.max(x0 - 1, 0), Math.max(y0 - 1, 0), Math.min(x0 + kTile + 1, w), Math.min(y0 + kTile + 1, h)];
+      return new URL(`api/tile?view=${id}&width=${w}&area=${area}`, location.href).href;
+    },
+  };
+}
+
+/** @param {any} item */
+function loaded(item) {
+  return new Promise((done) => {
+    const ready = () => item.getFullyLoaded() && (item.removeHandler("fully-loaded-change", ready), done(undefined));
+    item.addHandler("fully-loaded-change", ready);
+    ready();
+  });
+}
+
+/** @param {string} id @param {number} width @returns {Promise<any>} */
+const add_image = (id, width) => new Promise((success, failure) =>
+  viewer.addTiledImage({ tileSource: source_of(id, width), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
+
+viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
+  const response = await fetch(event.tile.getUrl());
+  if (!response.ok) show_error((await response.json()).error);
+});
+
+/** @type {any} */
+let item;
+/** @type {any} */
+let held; // the print that is compared with
+let wanted = 0, shown = 0, running = false;
+
+// Puts the view over what is shown, and in its place once all of it is there.
+/** @param {string} id */
+async function show(id) {
+  view = id;
+  const first = viewer.world.getItemCount() === 0, before = item, fresh = await add_image(id, print_width());
+  if (held) viewer.world.setItemIndex(held, viewer.world.getItemCount() - 1);
+  if (first) viewer.viewport.goHome(true);
+  await loaded(fresh);
+  item = fresh;
+  if (before) viewer.world.removeItem(before);
+}
+
+const kPreview = 1.5e6; // samples
+let developed = ""; // the decisions about light of what is shown
+
+// A preview of some of the samples, where all take a while.
+/** @param {Recipe} asked */
+async function preview(asked) {
+  const share = Number(asked.develop?.fraction ?? 1), fraction = Number((kPreview / state.samples).toPrecision(3));
+  if (fraction > share / 2 || JSON.stringify(asked.develop ?? {}) === developed) return;
+  const made = await ask("views", { method: "POST", body: JSON.stringify({ ...asked, develop: { ...asked.develop, fraction } }) });
+  await show(made.view);
+  $("status").textContent = `preview of ${(100 * fraction).toPrecision(2)} % of the samples; developing the rest …`;
+  await new Promise((later) => setTimeout(later, 300)); // for the next step of a slider
+}
+
+// Shows the recipe: one view at a time, and always the last one that was asked for.
+async function update() {
+  ++wanted;
+  if (running) return;
+  running = true;
+  while (shown !== wanted) {
+    const now = wanted, asked = recipe;
+    document.body.dataset.settled = "";
+    $("status").textContent = "developing: what is seen is not up to date …";
+    try {
+      await preview(asked);
+      if (now !== wanted) continue;
+      const made = await ask("views", { method: "POST", body: JSON.stringify(asked) });
+      show_error("");
+      commands = made.commands;
+      if (recipe === asked) keep(made.recipe);
+      if (made.view !== view || !item) await show(made.view);
+      developed = JSON.stringify(asked.develop ?? {});
+      await show_histogram(made.view);
+    } catch (error) {
+      show_error(error);
+    }
+    shown = now;
+  }
+  running = false;
+  $("status").textContent = "";
+  document.body.dataset.settled = view ?? "";
+}
+
+/** @param {string} id */
+async function show_histogram(id) {
+  let width = seen_width; // what is developed already, but no more than there is a histogram of
+  while (Math.max(width, height_of(width)) > 2048) width = Math.ceil(width / 2);
+  const h = await ask(`histogram?view=${id}&width=${width}`);
+  const canvas = $("histogram"), context = canvas.getContext("2d");
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  context.globalCompositeOperation = "lighter";
+  const most = Math.max(...[h.red, h.green, h.blue].flatMap((counts) => counts.slice(1, 255)), 1);
+  for (const [counts, colour] of [[h.red, "#c33"], [h.green, "#3a3"], [h.blue, "#44d"]]) {
+    context.fillStyle = colour;
+    for (let i = 0; i < 256; ++i) {
+      const bar = Math.min(1, Math.sqrt(counts[i] / most)) * canvas.height;
+      context.fillRect(i * canvas.width / 256, canvas.height - bar, canvas.width / 256, bar);
+    }
+  }
+  const share = (/** @type {number} */ n) => `${(100 * n / Math.max(1, h.pixels)).toFixed(1)} %`;
+  $("clipping").textContent = `burnt ${share(h.burnt)} · black ${share(h.black)} · out of gamut ${share(h.out_of_gamut)}`;
+}
+
+// --- History.
+
+/** @param {Recipe} made what the server made of the recipe: with its exposure as a number */
+function keep(made) {
+  recipe = made;
+  const text = JSON.stringify(made);
+  if (history[place] !== text) {
+    history = [...history.slice(0, place + 1), text].slice(-500);
+    place = history.length - 1;
+  }
+  show_controls();
+}
+/** @param {number} step */
+function go(step) {
+  if (place + step < 0 || place + step >= history.length) return;
+  place += step;
+  recipe = JSON.parse(history[place]);
+  show_controls();
+  update();
+}
+
+// --- Controls.
+
+/** @type {(() => void)[]} */
+const shows = [];
+function show_controls() {
+  for (const show of shows) show();
+  $("undo").disabled = place < 1;
+  $("redo").disabled = place > history.length - 2;
+  show_crop();
+}
+const changed = () => { show_controls(); update(); };
+
+/** A control of one key. `usual`: the value by default, which recipes leave out.
+ * @param {string} id @param {"develop" | "convert"} section @param {string} key @param {any} usual @param {(v: any) => string} [text] */
+function bind(id, section, key, usual, text = String) {
+  const control = $(id), output = document.querySelector(`output[for="${id}"]`);
+  const numeric = control.type === "range" || control.type === "number";
+  shows.push(() => {
+    const value = get(section, key) ?? usual;
+    if (control.type === "checkbox") { control.checked = value === true; return; }
+    if (control.tagName === "SELECT" && ![...control.options].some((o) => o.value === String(value))) control.add(new Option(String(value)));
+    control.value = String(value === true ? 1 : value);
+    if (output) output.textContent = text(Number(control.value));
+  });
+  control.addEventListener(control.type === "range" ? "input" : "change", () => {
+    const value = control.type === "checkbox" ? control.checked : numeric && control.value !== "" ? Number(control.value) : control.value;
+    put(section, key, value === usual ? undefined : value);
+    changed();
+  });
+}
+const signed = (/** @type {number} */ v) => (v > 0 ? "+" : "") + v.toFixed(2);
+bind("stops", "convert", "stops", 0, signed);
+bind("tone", "convert", "tone", "film");
+bind("contrast", "convert", "contrast", 1, (v) => v.toFixed(2));
+bind("black", "convert", "black", 0, (v) => v.toFixed(3));
+bind("gamut", "convert", "gamut", "luminance");
+bind("profile", "convert", "profile", "srgb");
+bind("denoise", "develop", "denoise", 0, (v) => v.toFixed(2));
+bind("fireflies", "develop", "dim-fireflies", false);
+bind("observer", "develop", "observer", "");
+bind("filter", "develop", "lens-filter", "");
+bind("size", "develop", "size", state.width);
+bind("crop", "develop", "crop", "");
+
+shows.push(() => { $("sensitivity").textContent = `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
+$("auto").addEventListener("click", () => { put("convert", "sensitivity", undefined); put("convert", "auto", true); changed(); });
+
+$("clipped").addEventListener("change", () => { put("convert", "show", $("clipped").checked ? "clipped" : undefined); changed(); });
+shows.push(() => { $("clipped").checked = get("convert", "show") === "clipped"; });
+
+shows.push(() => {
+  const white = String(get("convert", "white") ?? ""), kelvin = /^(\d+(\.\d+)?)[kK]$/.exec(white);
+  if (kelvin) $("kelvin").value = kelvin[1];
+  const named = [...$("white").options].some((o) => o.value === white);
+  $("white").value = kelvin ? "kelvin" : named ? white : "picked";
+  $("white").querySelector('[value="picked"]').textContent = `x, y = ${white}`;
+  $("kelvin").nextElementSibling.textContent = `${$("kelvin").value} K`;
+});
+$("white").addEventListener("change", () => {
+  put("convert", "white", $("white").value === "kelvin" ? `${$("kelvin").value}K` : $("white").value);
+  changed();
+});
+$("kelvin").addEventListener("input", () => { put("convert", "white", `${$("kelvin").value}K`); changed(); });
+
+$("aperture").addEventListener("change", () => { put("develop", "aperture", $("aperture").value && `f:${$("aperture").value}`); changed(); });
+shows.push(() => { $("aperture").value = /^f:([\d.]+)$/.exec(get("develop", "aperture") ?? "")?.[1] ?? ""; });
+
+// --- Light mix: "NAME=6500K,wratten-80a,2.5".
+
+/** @typedef {{kelvin: string, curves: string[], factor: number}} Setting */
+/** @param {string} name @returns {Setting} */
+function setting_of(name) {
+  const lights = [get("develop", "light") ?? []].flat();
+  const text = lights.find((l) => String(l).startsWith(name + "=")) ?? "";
+  /** @type {Setting} */
+  const setting = { kelvin: "", curves: [], factor: 1 };
+  for (const part of String(text).slice(name.length + 1).split(",").filter(Boolean)) {
+    if (/^\d+(\.\d+)?[kK]$/.test(part)) setting.kelvin = part.slice(0, -1);
+    else if (Number.isFinite(Number(part))) setting.factor *= Number(part);
+    else setting.curves.push(part);
+  }
+  return setting;
+}
+/** @type {Map<string, number>} */
+const unmuted = new Map(); // factors from before they were 0
+/** @param {Map<string, Setting>} settings */
+function put_lights(settings) {
+  const texts = [];
+  for (const [name, s] of settings) {
+    const parts = [s.kelvin && `${s.kelvin}K`, ...s.curves, s.factor !== 1 && String(Number(s.factor.toPrecision(6)))].filter(Boolean);
+    if (parts.length > 0) texts.push(`${name}=${parts.join(",")}`);
+  }
+  put("develop", "light", texts.length > 0 ? texts : undefined);
+  changed();
+}
+/** @param {string} name @param {Partial<Setting>} change */
+function put_light(name, change) {
+  put_lights(new Map(state.light_groups.map((/** @type {string} */ n) => [n, { ...setting_of(n), ...(n === name ? change : {}) }])));
+}
+const mute = (/** @type {string} */ name) => {
+  const { factor } = setting_of(name);
+  if (factor !== 0) unmuted.set(name, factor);
+  return 0;
+};
+for (const name of /** @type {string[]} */ (state.light_groups)) {
+  const row = document.createElement("div");
+  row.className = "group";
+  /** @param {string} tag @param {Section} properties */
+  const add = (tag, properties, to = row) => to.appendChild(Object.assign(document.createElement(tag), properties));
+  add("b", { textContent: name });
+  const off = add("button", { textContent: "Mute" }), solo = add("button", { textContent: "Solo" });
+  off.setAttribute("aria-label", `Mute ${name}`);
+  solo.setAttribute("aria-label", `Solo ${name}`);
+  const label = /** @type {any} */ (add("label", { className: "slide", textContent: "Stops " }));
+  const stops = /** @type {any} */ (add("input", { type: "range", min: "-6", max: "6", step: "0.05" }, label)), output = add("output", {}, label);
+  stops.setAttribute("aria-label", `Stops of ${name}`);
+  const kelvin = /** @type {any} */ (add("input", { type: "number", min: "1000", max: "25000", step: "100", placeholder: "K" }, label));
+  kelvin.setAttribute("aria-label", `Colour temperature of ${name} in kelvin`);
+  kelvin.hidden = !state.spectral;
+  stops.addEventListener("input", () => put_light(name, { factor: 2 ** Number(stops.value) }));
+  kelvin.addEventListener("change", () => put_light(name, { kelvin: kelvin.value }));
+  off.addEventListener("click", () => put_light(name, { factor: setting_of(name).factor === 0 ? unmuted.get(name) ?? 1 : mute(name) }));
+  solo.addEventListener("click", () => {
+    const others = state.light_groups.filter((/** @type {string} */ n) => n !== name);
+    const alone = setting_of(name).factor !== 0 && others.every((/** @type {string} */ n) => setting_of(n).factor === 0);
+    const restored = (/** @type {string} */ n) => setting_of(n).factor || (unmuted.get(n) ?? 1);
+    put_lights(new Map(state.light_groups.map((/** @type {string} */ n) =>
+      [n, { ...setting_of(n), factor: n === name || alone ? restored(n) : mute(n) }])));
+  });
+  shows.push(() => {
+    const s = setting_of(name), muted = s.factor === 0, value = Math.log2(muted ? unmuted.get(name) ?? 1 : s.factor);
+    stops.value = String(value);
+    output.textContent = muted ? "off" : signed(value);
+    kelvin.value = s.kelvin;
+    off.setAttribute("aria-pressed", String(muted));
+    solo.setAttribute("aria-pressed", String(!muted && state.light_groups.length > 1 &&
+      state.light_groups.every((/** @type {string} */ n) => n === name || setting_of(n).factor === 0)));
+  });
+  $("groups").append(row);
+}
+$("light").hidden = state.light_groups.length === 0;
+$("seen").hidden = !state.spectral;
+$("lens").hidden = state.f_number === null;
+if (state.f_number !== null) Object.assign($("aperture"), { placeholder: state.f_number.toFixed(1), min: state.f_number.toFixed(1) });
+for (const o of state.observers) $("observers").append(Object.assign(document.createElement("option"), { value: o.name, label: o.what }));
+for (const f of state.lens_filters) $("filters").append(Object.assign(document.createElement("option"), { value: f }));
+
+// --- Crop, in pixels of the print.
+
+function show_crop() {
+  const old = $("frame");
+  if (old) viewer.removeOverlay(old);
+  const numbers = String(get("develop", "crop") ?? "").split(",").map(Number);
+  if (numbers.length !== 4 || viewer.world.getItemCount() === 0) return;
+  const [x0, y0, x1, y1] = numbers.map((n) => n / print_width());
+  const frame = Object.assign(document.createElement("div"), { id: "frame", className: "crop" });
+  viewer.addOverlay({ element: frame, location: new OpenSeadragon.Rect(x0, y0, x1 - x0, y1 - y0) });
+}
+$("cut").addEventListener("click", () => {
+  const seen = viewer.viewport.getBounds(true), w = print_width(), h = height_of(w);
+  const inside = (/** @type {number} */ v, /** @type {number} */ most) => Math.round(Math.min(Math.max(v * w, 0), most));
+  const crop = [inside(seen.x, w), inside(seen.y, h), inside(seen.x + seen.width, w), inside(seen.y + seen.height, h)];
+  if (crop[0] < crop[2] && crop[1] < crop[3]) put("develop", "crop", crop.join(","));
+  changed();
+});
+$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); changed(); });
+$("size").addEventListener("change", () => { put("develop", "crop", undefined); view = undefined; });
+
+// --- Probe, and picking a neutral.
+
+/** @type {"" | "probe" | "pick"} */
+let mode = "";
+/** @param {"" | "probe" | "pick"} next */
+function set_mode(next) {
+  mode = mode === next ? "" : next;
+  for (const id of ["probe", "pick"]) $(id).setAttribute("aria-pressed", String(mode === id));
+}
+$("probe").addEventListener("click", () => set_mode("probe"));
+$("pick").addEventListener("click", () => set_mode("pick"));
+viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
+  if (!mode || !event.quick || !view) return;
+  const point = viewer.viewport.pointFromPixel(event.position), w = print_width();
+  const x = Math.floor(point.x * w), y = Math.floor(point.y * w);
+  if (x < 0 || y < 0 || x >= w || y >= height_of(w)) return;
+  try {
+    const p = await ask(`probe?view=${view}&width=${w}&x=${x}&y=${y}`);
+    const digits = (/** @type {number} */ v) => v.toPrecision(4);
+    $("probed").textContent = `pixel ${x}, ${y}: ${Math.round(p.samples)} samples\n` +
+      ["X", "Y", "Z"].map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
+      (p.xy ? `\nx, y ${p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(", ")}` : `\nof ${p.observer}`) + `\nRGB ${p.rgb.join(", ")}`;
+    if (mode === "pick") {
+      if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
+      put("convert", "white", p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(","));
+      set_mode("");
+      changed();
+    }
+  } catch (error) {
+    show_error(error);
+  }
+});
+
+// --- Compare: the print that is held lies over the other, left of the divider.
+
+const divider = $("divider");
+let split = 0.5;
+function show_divider() {
+  divider.hidden = !held;
+  if (!held) return;
+  const at = split * $("picture").clientWidth, size = held.getContentSize();
+  divider.style.left = `${at}px`;
+  divider.setAttribute("aria-valuenow", String(Math.round(100 * split)));
+  const x = viewer.viewport.pointFromPixel(new OpenSeadragon.Point(at, 0), true).x * size.x;
+  held.setClip(new OpenSeadragon.Rect(0, 0, Math.min(Math.max(x, 0.001), size.x), size.y));
+}
+viewer.addHandler("update-viewport", show_divider);
+async function compare() {
+  if (held) {
+    viewer.world.removeItem(held);
+    held = undefined;
+  } else if (view) {
+    held = await add_image(view, print_width());
+  }
+  $("hold").setAttribute("aria-pressed", String(Boolean(held)));
+  show_divider();
+}
+$("hold").addEventListener("click", compare);
+divider.addEventListener("pointerdown", (/** @type {PointerEvent} */ e) => divider.setPointerCapture(e.pointerId));
+divider.addEventListener("pointermove", (/** @type {PointerEvent} */ e) => {
+  if (!divider.hasPointerCapture(e.pointerId)) return;
+  split = Math.min(Math.max(e.clientX / $("picture").clientWidth, 0), 1);
+  show_divider();
+});
+divider.addEventListener("keydown", (/** @type {KeyboardEvent} */ e) => {
+  const step = e.key === "ArrowLeft" ? -0.02 : e.key === "ArrowRight" ? 0.02 : 0;
+  if (step) { split = Math.min(Math.max(split + step, 0), 1); show_divider(); e.stopPropagation(); }
+});
+
+// --- Recipes, prints, commands.
+
+/** @param {string[]} names */
+function list_recipes(names) {
+  $("recipes").replaceChildren(new Option(""), ...names.map((name) => new Option(name)));
+}
+list_recipes(state.recipes);
+/** @param {() => Promise<void>} work */
+const carefully = (work) => async () => { try { show_error(""); await work(); } catch (error) { show_error(error); } };
+$("save").addEventListener("click", carefully(async () => {
+  await ask(`recipes/${encodeURIComponent($("name").value)}`, { method: "PUT", body: JSON.stringify(recipe) });
+  list_recipes(await ask("recipes"));
+}));
+$("recipes").addEventListener("change", carefully(async () => {
+  if (!$("recipes").value) return;
+  recipe = await ask(`recipes/${encodeURIComponent($("recipes").value)}`);
+  $("name").value = $("recipes").value;
+  view = undefined;
+  changed();
+}));
+$("print").addEventListener("click", carefully(async () => {
+  const name = `${$("name").value}.${$("format").value}`;
+  await ask("prints", { method: "POST", body: JSON.stringify({ name, recipe, replace: $("replace").checked }) });
+  await show_prints();
+}));
+$("copy").addEventListener("click", carefully(async () => {
+  await navigator.clipboard.writeText(commands);
+  $("status").textContent = "copied";
+}));
+let watching = false;
+async function show_prints() {
+  if (watching) return;
+  watching = true;
+  for (;;) {
+    const jobs = await ask("prints");
+    $("jobs").replaceChildren(...jobs.map((/** @type {any} */ job) => {
+      const line = Object.assign(document.createElement("li"), { textContent: `${job.name}: ${job.state} ${job.message} ` });
+      if (job.state === "waiting" || job.state === "running") {
+        const stop = line.appendChild(Object.assign(document.createElement("button"), { textContent: "Cancel" }));
+        stop.addEventListener("click", () => ask(`prints/${job.id}`, { method: "DELETE" }));
+      }
+      return line;
+    }));
+    if (!jobs.some((/** @type {any} */ job) => job.state === "waiting" || job.state === "running")) break;
+    await new Promise((later) => setTimeout(later, 500));
+  }
+  watching = false;
+}
+
+// --- The rest.
+
+$("undo").addEventListener("click", () => go(-1));
+$("redo").addEventListener("click", () => go(1));
+$("reset").addEventListener("click", () => { recipe = { "latent-recipe": 1 }; view = undefined; changed(); });
+$("fit").addEventListener("click", () => viewer.viewport.goHome());
+$("one").addEventListener("click", () => viewer.viewport.zoomTo(print_width() / $("picture").clientWidth / devicePixelRatio));
+$("help").addEventListener("click", () => $("keys").showModal());
+const surround = () => {
+  const grey = Math.round(2.55 * $("surround").value);
+  document.documentElement.style.setProperty("--surround", `rgb(${grey}, ${grey}, ${grey})`);
+};
+$("surround").addEventListener("input", surround);
+surround();
+document.addEventListener("keydown", (event) => {
+  const typing = event.target instanceof HTMLInputElement && !["range", "checkbox"].includes(event.target.type);
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !typing) {
+    event.preventDefault();
+    go(event.shiftKey ? 1 : -1);
+    return;
+  }
+  if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  const third = (/** @type {number} */ sign) => {
+    put("convert", "stops", Number((Number(get("convert", "stops") ?? 0) + sign / 3).toFixed(2)) || undefined);
+    changed();
+  };
+  /** @type {{[key: string]: () => void}} */
+  const keys = {
+    "?": () => $("keys").showModal(), ",": () => third(-1), ".": () => third(1), f: () => viewer.viewport.goHome(), 1: () => $("one").click(),
+    c: compare, p: () => set_mode("probe"), Escape: () => set_mode(""),
+  };
+  keys[event.key]?.();
+});
+
+show_controls();
+update();

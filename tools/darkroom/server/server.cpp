@@ -1,0 +1,346 @@
+#include "tools/darkroom/server/server.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/json.h"
+#include "base/parse.h"
+#include "color/catalogue.h"
+#include "color/film/material.h"
+#include "tools/darkroom/server/bitmap.h"
+#include "tools/darkroom/server/commands.h"
+#include "tools/darkroom/server/folder.h"
+#include "tools/darkroom/server/page.h"
+#include "tools/darkroom/server/prints.h"
+
+namespace latent::darkroom {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using httplib::Request;
+using httplib::Response;
+
+constexpr std::size_t kThreads = 16;         // connections at a time
+constexpr std::size_t kLongestBody = 65536;  // a recipe, and what goes with it
+constexpr int kLargestTile = 2048;           // pixels a side
+
+constexpr const char* kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+// "127.0.0.1:8080", "localhost": this machine by any port, for ssh -L may choose another. No other name, which may come to mean
+// this machine while its page is open.
+bool is_loopback(const std::string& host) {
+    const std::size_t colon = host.rfind(':');
+    const std::string name = host.substr(0, colon);
+    const bool has_port = colon != std::string::npos;
+    return (name == "127.0.0.1" || name == "localhost") && (!has_port || parse_count(host.substr(colon + 1)));
+}
+
+int status_of(const Error& error) {
+    switch (error.code) {
+        case ErrorCode::kUsage:
+            return 400;
+        case ErrorCode::kNotFound:
+            return 404;
+        case ErrorCode::kExists:
+            return 409;
+        default:
+            return 500;
+    }
+}
+
+void fail(Response& response, int status, const std::string& message) {
+    response.status = status;
+    response.set_content(json_text(Json{{"error", message}}) + "\n", "application/json");
+}
+
+void answer(Response& response, const Result<Json>& json) {
+    if (!json) return fail(response, status_of(json.error()), json.error().message);
+    response.set_content(json_text(*json) + "\n", "application/json");
+}
+
+const char* name_of(PrintState state) {
+    constexpr const char* kNames[] = {"waiting", "running", "done", "failed", "cancelled"};
+    return kNames[static_cast<std::size_t>(state)];
+}
+
+// Views that were asked for: the last ones, by a number made of the recipe.
+class Views {
+ public:
+    std::string keep(const Recipe& recipe) {
+        const std::string text = recipe.dump(-1, ' ', true);
+        const std::string id = fmt::format("{:016x}", hash64(std::as_bytes(std::span(text))));
+        const std::scoped_lock lock(mutex_);
+        std::erase(order_, id);
+        order_.push_back(id);
+        views_[id] = recipe;
+        constexpr std::size_t kKept = 256;
+        if (order_.size() > kKept) {
+            views_.erase(order_.front());
+            order_.erase(order_.begin());
+        }
+        return id;
+    }
+    Result<Recipe> find(const std::string& id) const {
+        const std::scoped_lock lock(mutex_);
+        const auto found = views_.find(id);
+        if (found == views_.end()) return Error{ErrorCode::kNotFound, "no such view; post its recipe again"};
+        return found->second;
+    }
+
+ private:
+    mutable std::mutex mutex_;
+    std::map<std::string, Recipe> views_;
+    std::vector<std::string> order_;  // oldest first
+};
+
+Result<std::uint64_t> number(const Request& request, const char* name, std::uint64_t most) {
+    const Result<std::uint64_t> value = parse_count(request.get_param_value(name));
+    if (!value || *value > most) return usage_error(fmt::format("{}: a whole number up to {} is needed", name, most));
+    return *value;
+}
+
+class HttpServer final : public Server {
+ public:
+    HttpServer(Engine& engine, const ServerOptions& options)
+        : engine_(engine),
+          inputs_(options.inputs),
+          folder_(options.folder),
+          prints_(options.print),
+          token_(make_nonce() + make_nonce()) {
+        http_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+        http_.set_payload_max_length(kLongestBody);
+        http_.set_keep_alive_max_count(1000);
+        http_.set_tcp_nodelay(true);
+        // Its default lets two servers listen at one port.
+        http_.set_socket_options([](socket_t socket) {
+            const int yes = 1;
+            ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        });
+        http_.set_default_headers({{"Content-Security-Policy", kPolicy},
+                                   {"X-Content-Type-Options", "nosniff"},
+                                   {"Referrer-Policy", "no-referrer"},
+                                   {"Cross-Origin-Resource-Policy", "same-origin"},
+                                   {"Cross-Origin-Opener-Policy", "same-origin"},
+                                   {"Cache-Control", "no-store"}});
+        http_.set_pre_routing_handler([](const Request& request, Response& response) {
+            using enum httplib::Server::HandlerResponse;
+            const std::string host = request.get_header_value("Host");
+            const bool foreign = request.has_header("Origin") && request.get_header_value("Origin") != "http://" + host;
+            if (request.get_header_value_count("Host") == 1 && is_loopback(host) && !foreign) return Unhandled;
+            fail(response, 403, "only for pages of this address");
+            return Handled;
+        });
+        http_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
+            fail(response, 500, "out of memory, or a fault of the program");
+        });
+        add_page();
+        add_views();
+        add_folder();
+    }
+
+    std::string address() const override { return fmt::format("http://127.0.0.1:{}/{}/", port_, token_); }
+    int port() const override { return port_; }
+    void run() override { http_.listen_after_bind(); }
+    void stop() override { http_.stop(); }
+
+    Status bind(int port) {
+        port_ = port == 0 ? http_.bind_to_any_port("127.0.0.1") : http_.bind_to_port("127.0.0.1", port) ? port : -1;
+        if (port_ < 0) return Error{ErrorCode::kIo, fmt::format("--port {}: cannot listen there; choose another, or none", port)};
+        return {};
+    }
+
+ private:
+    std::string at(const std::string& path) const { return "/" + token_ + "/" + path; }
+
+    void add_page() {
+        for (const PageFile& file : page_files()) {
+            http_.Get(at(file.name), [file](const Request&, Response& response) {
+                response.set_content(file.content.data(), file.content.size(), file.type);
+            });
+        }
+        http_.Get(at("api/state"), [this](const Request&, Response& response) { answer(response, state()); });
+    }
+
+    void add_views() {
+        http_.Post(at("api/views"), [this](const Request& request, Response& response) { answer(response, new_view(request)); });
+        http_.Get(at("api/tile"), [this](const Request& request, Response& response) {
+            const Result<convert::CodeValues> tile = this->tile(request);
+            if (!tile) return fail(response, status_of(tile.error()), tile.error().message);
+            if (request.get_param_value("format") == "raw")
+                response.set_content(reinterpret_cast<const char*>(tile->codes.data()), tile->codes.size(),
+                                     "application/octet-stream");
+            else
+                response.set_content(bitmap_of(*tile), "image/bmp");
+        });
+        http_.Get(at("api/histogram"),
+                  [this](const Request& request, Response& response) { answer(response, histogram(request)); });
+        http_.Get(at("api/probe"), [this](const Request& request, Response& response) { answer(response, probe(request)); });
+    }
+
+    void add_folder() {
+        http_.Get(at("api/recipes"), [this](const Request&, Response& response) { answer(response, Json(folder_.recipes())); });
+        http_.Get(at("api/recipes/(.+)"),
+                  [this](const Request& request, Response& response) { answer(response, folder_.recipe(request.matches[1])); });
+        http_.Put(at("api/recipes/(.+)"), [this](const Request& request, Response& response) {
+            const Result<Recipe> recipe = parse_recipe(request.body);
+            const Status saved = recipe ? folder_.save(request.matches[1], *recipe) : Status(recipe.error());
+            answer(response, saved ? Result<Json>(Json{{"saved", std::string(request.matches[1])}}) : saved.error());
+        });
+        http_.Get(at("api/prints"), [this](const Request&, Response& response) {
+            Json jobs = Json::array();
+            for (const PrintJob& job : prints_.list())
+                jobs.push_back({{"id", job.id}, {"name", job.name}, {"state", name_of(job.state)}, {"message", job.message}});
+            answer(response, jobs);
+        });
+        http_.Post(at("api/prints"), [this](const Request& request, Response& response) { answer(response, new_print(request)); });
+        http_.Delete(at("api/prints/(\\d{1,18})"), [this](const Request& request, Response& response) {
+            prints_.cancel(*parse_count(std::string(request.matches[1])));
+            answer(response, Json::object());
+        });
+    }
+
+    Result<Json> state() const {
+        const sampledb::RunSet& runs = engine_.runs();
+        const develop::Size size = engine_.default_size();
+        Json inputs = Json::array();
+        for (const std::filesystem::path& input : inputs_) inputs.push_back(input.filename().string());
+        Json observers = Json::array(), films = Json::array(), filters = Json::array();
+        for (const color::CatalogueEntry& entry : color::observer_catalogue())
+            observers.push_back({{"name", entry.name}, {"what", entry.what}});
+        for (const color::CatalogueEntry& entry : color::lens_filter_catalogue()) filters.push_back(entry.name);
+        const bool spectral = runs.job().kind == sampledb::RecordKind::kSpectral;
+        Json state{{"version", LATENT_VERSION},
+                   {"inputs", inputs},
+                   {"width", size.width},
+                   {"height", size.height},
+                   {"aspect", {runs.job().aspect_width, runs.job().aspect_height}},
+                   {"samples", runs.coverage().size()},
+                   {"runs", runs.runs().size()},
+                   {"spectral", spectral},
+                   {"light_groups", engine_.light_groups()},
+                   {"observers", spectral ? observers : Json::array()},
+                   {"lens_filters", spectral ? filters : Json::array()},
+                   {"f_number", nullptr},
+                   {"shutter", engine_.knows_shutter()},
+                   {"recipes", folder_.recipes()}};
+        if (const std::optional<double> f = engine_.f_number()) state["f_number"] = *f;
+        return state;
+    }
+
+    Result<Json> new_view(const Request& request) {
+        const Result<Recipe> recipe = parse_recipe(request.body);
+        if (!recipe) return recipe.error();
+        Result<Recipe> resolved = engine_.resolve(*recipe);
+        if (!resolved) return resolved.error();
+        return Json{
+            {"view", views_.keep(*resolved)}, {"recipe", *resolved}, {"commands", commands_for(*resolved, inputs_, "print")}};
+    }
+
+    struct Asked {
+        Recipe recipe;
+        develop::Size size;
+    };
+    Result<Asked> asked(const Request& request) const {
+        Result<Recipe> recipe = views_.find(request.get_param_value("view"));
+        if (!recipe) return recipe.error();
+        const Result<std::uint64_t> width = number(request, "width", develop::kMaxSide);
+        if (!width) return width.error();
+        const Result<develop::Size> size = engine_.size_of_width(static_cast<std::uint32_t>(*width));
+        if (!size) return size.error();
+        return Asked{*std::move(recipe), *size};
+    }
+
+    Result<convert::CodeValues> tile(const Request& request) {
+        const Result<Asked> view = asked(request);
+        if (!view) return view.error();
+        const auto area = parse_crop(request.get_param_value("area"));
+        if (!area) return usage_error("area: X0,Y0,X1,Y1 is needed, in pixels");
+        const image::Rect pixels{(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
+        if (pixels.width() > kLargestTile || pixels.height() > kLargestTile)
+            return usage_error(fmt::format("area: at most {0} x {0} pixels", kLargestTile));
+        return engine_.view(view->recipe, view->size, pixels);
+    }
+
+    Result<Json> histogram(const Request& request) {
+        const Result<Asked> view = asked(request);
+        if (!view) return view.error();
+        const Result<Histogram> histogram = engine_.histogram(view->recipe, view->size);
+        if (!histogram) return histogram.error();
+        return Json{{"red", histogram->counts[0]},
+                    {"green", histogram->counts[1]},
+                    {"blue", histogram->counts[2]},
+                    {"pixels", histogram->pixels},
+                    {"burnt", histogram->burnt},
+                    {"black", histogram->black},
+                    {"out_of_gamut", histogram->out_of_gamut}};
+    }
+
+    Result<Json> probe(const Request& request) {
+        const Result<Asked> view = asked(request);
+        if (!view) return view.error();
+        const Result<std::uint64_t> x = number(request, "x", view->size.width - 1), y = number(request, "y", view->size.height - 1);
+        if (!x || !y) return x ? y.error() : x.error();
+        const Result<Probe> probe = engine_.probe(view->recipe, view->size, static_cast<int>(*x), static_cast<int>(*y));
+        if (!probe) return probe.error();
+        Json json{{"observer", probe->observer.empty() ? "cie1931" : probe->observer},
+                  {"values", probe->values},
+                  {"standard_errors", probe->standard_errors},
+                  {"rgb", probe->codes},
+                  {"samples", probe->samples}};
+        const double sum = probe->values[0] + probe->values[1] + probe->values[2];
+        if (probe->observer.empty() && sum > 0) json["xy"] = {probe->values[0] / sum, probe->values[1] / sum};
+        return json;
+    }
+
+    Result<Json> new_print(const Request& request) {
+        const Json order = Json::parse(request.body, nullptr, false);
+        if (!order.is_object() || !order.contains("name") || !order["name"].is_string() || !order.contains("recipe"))
+            return usage_error("an object with a name and a recipe is needed");
+        const Result<Recipe> recipe = parse_recipe(order["recipe"].dump());
+        if (!recipe) return recipe.error();
+        const Result<std::filesystem::path> output = folder_.file(order["name"]);
+        if (!output) return output.error();
+        const Result<std::uint64_t> id = prints_.add(*output, *recipe, order.value("replace", Json(false)) == Json(true));
+        if (!id) return id.error();
+        return Json{{"id", *id}};
+    }
+
+    Engine& engine_;
+    std::vector<std::filesystem::path> inputs_;
+    Folder folder_;
+    Prints prints_;
+    Views views_;
+    std::string token_;
+    int port_ = 0;
+    httplib::Server http_;
+};
+
+}  // namespace
+
+std::vector<std::string> print_command(const EngineOptions& options) {
+    std::error_code ignored;
+    const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "latent-print";
+    std::vector<std::string> command{beside.string()};
+    for (const std::filesystem::path& input : options.inputs) command.push_back(input.string());
+    if (options.skip_duplicates) command.emplace_back("--skip-duplicates");
+    command.insert(command.end(), {"--memory", std::to_string(options.memory / 2), "--threads", std::to_string(options.threads)});
+    return command;
+}
+
+Result<std::unique_ptr<Server>> Server::open(Engine& engine, const ServerOptions& options) {
+    auto server = std::make_unique<HttpServer>(engine, options);
+    if (Status s = server->bind(options.port); !s) return s.error();
+    return server;
+}
+
+}  // namespace latent::darkroom
