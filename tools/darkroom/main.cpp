@@ -18,7 +18,7 @@ std::string introduction(const latent::darkroom::Server& server, const std::file
     return fmt::format(
         "{0}\nOpen this address in a browser of this machine. From another one, first: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE\n"
         "Recipes and prints are kept in {2}. Ctrl-C ends.\n",
-        server.address(), server.port(), folder.string());
+        server.address(), server.port(), std::filesystem::absolute(folder / "").lexically_normal().string());
 }
 
 }  // namespace

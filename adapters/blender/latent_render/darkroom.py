@@ -1,6 +1,8 @@
 """After the render: develops the samples again, as the panel says, into an image of Blender; and plans renders on many machines."""
+import atexit
 import os
 import subprocess
+import webbrowser
 
 import bpy
 import numpy as np
@@ -105,12 +107,21 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
 
 
 class LATENT_OT_darkroom(Operator, bpy.types.Operator):
-    """Opens the samples of the last render in the program latent-darkroom"""
+    """Opens the samples of the last render in latent-darkroom, a page in the browser. It ends with Blender"""
 
     bl_idname, bl_label = "latent.darkroom", "Open latent-darkroom"
 
     def run(self, context):
-        subprocess.Popen([engine.program("latent-darkroom"), engine.last["samples"]], stdin=subprocess.DEVNULL)
+        samples = engine.last["samples"]
+        if not samples:
+            raise tools.Failure("nothing was rendered yet")
+        words = [engine.program("latent-darkroom"), samples, "--recipes", os.path.dirname(samples)]
+        room = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
+        atexit.register(room.terminate)
+        address = room.stdout.readline().strip()
+        if not address:
+            raise tools.Failure("latent-darkroom did not start; the terminal says why")
+        webbrowser.open(address)
 
 
 class LATENT_OT_farm(Operator, bpy.types.Operator):
