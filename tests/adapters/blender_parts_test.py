@@ -64,8 +64,16 @@ class Meshes(unittest.TestCase):
         pieces = ply.encode(points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile(np.float32([0, 0, 1]), (4, 1)), points[:, :2],
                             np.tile(np.float32([0.5, 0.5, 0.5]), (4, 1)))
         with tempfile.TemporaryDirectory() as folder:
-            name = ply.store(pieces, folder, ".ply")
-            self.assertEqual(ply.store(pieces, folder, ".ply"), name)
+            name = ply.store(*pieces, folder)
+            self.assertEqual(ply.store(*pieces, folder), name)
+            head, vertices, faces = pieces
+            for change, same in ((1e-7, True), (-2e-7, True), (1e-3, False)):
+                turned = vertices.copy()
+                turned["nx"][1] += change
+                self.assertEqual(ply.store(head, turned, faces, folder) == name, same, change)
+            moved = vertices.copy()
+            moved["x"][0] += 1e-6
+            self.assertNotEqual(ply.store(head, moved, faces, folder), name)
             document = pbrt.Document()
             document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 4, "integer yresolution": 4}), "Scale 1 1 -1",
                              pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-0.5, 0.5, -0.5, 0.5]})]

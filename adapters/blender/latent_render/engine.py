@@ -1,6 +1,7 @@
 """The render engine: F12 exports, renders, develops and shows."""
 import os
 import time
+import traceback
 
 import bpy
 import numpy as np
@@ -28,7 +29,7 @@ def folder_of(scene):
 
 def name_of(scene, layer):
     """Of the files of a frame."""
-    parts = [scene.name, *([layer] if len(scene.view_layers) > 1 else []), f"{scene.frame_current:04d}"]
+    parts = [scene.name, *([layer] if len(scene.original.view_layers) > 1 else []), f"{scene.frame_current:04d}"]
     return "-".join("".join(c if c.isalnum() or c in "._ " else "_" for c in part) for part in parts)
 
 
@@ -49,7 +50,9 @@ class LatentEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         try:
             self.render_all(depsgraph)
-        except (tools.Failure, ValueError, OSError) as failure:
+        except Exception as failure:  # whatever it is, Blender must say it, and not show an empty picture alone
+            if not isinstance(failure, (tools.Failure, ValueError, OSError)):
+                traceback.print_exc()
             self.fill(depsgraph.scene_eval, depsgraph.view_layer_eval.name, {})  # Blender expects a result
             self.report({"ERROR"}, f"Latent: {failure}")
             self.error_set(f"Latent: {failure}")
@@ -125,7 +128,8 @@ class LatentEngine(bpy.types.RenderEngine):
     def fill(self, scene, layer, passes):
         width, height = camera.size(scene)
         left, low, right, high = 0, 0, width, height
-        if scene.render.use_border and scene.render.use_crop_to_border:
+        # Without a crop, Blender 3.4 wants the region alone, later versions the whole picture.
+        if scene.render.use_border and (scene.render.use_crop_to_border or bpy.app.version < (4, 0, 0)):
             border = scene.render
             left, right = int(border.border_min_x * width), int(border.border_max_x * width)
             low, high = int(border.border_min_y * height), int(border.border_max_y * height)

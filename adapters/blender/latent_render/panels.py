@@ -4,9 +4,10 @@ import bpy
 from . import engine
 
 # Panels of other engines that set what is exported.
-SHARED = {"EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "DATA_PT_spot", "EEVEE_MATERIAL_PT_context_material",
-          "EEVEE_NEXT_MATERIAL_PT_surface", "CYCLES_OBJECT_PT_motion_blur", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
-UNUSED = {"RENDER_PT_simplify_greasepencil", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "DATA_PT_light"}  # the last: DATA_PT_EEVEE_light says more
+SHARED = {"EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "CYCLES_LIGHT_PT_beam_shape", "EEVEE_MATERIAL_PT_context_material",
+          "EEVEE_NEXT_MATERIAL_PT_surface", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
+UNUSED = {"RENDER_PT_simplify_greasepencil", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_stereoscopy",
+          "DATA_PT_light", "DATA_PT_area", "DATA_PT_spot"}  # the last three: other panels say the same
 
 
 def shared_panels():
@@ -45,7 +46,9 @@ class LATENT_PT_motion(LatentPanel, bpy.types.Panel):
 
     def draw(self, context):
         self.layout.use_property_split = True
-        self.layout.prop(context.scene.render, "motion_blur_shutter", text="Shutter")
+        render = context.scene.render
+        self.layout.prop(render if hasattr(render, "motion_blur_position") else context.scene.cycles, "motion_blur_position", text="Position")
+        self.layout.prop(render, "motion_blur_shutter", text="Shutter")
 
 
 class LATENT_PT_job(LatentPanel, bpy.types.Panel):

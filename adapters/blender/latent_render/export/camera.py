@@ -44,7 +44,9 @@ def export(scene, owner, poses, shutter, report):
         scale, kind = 1 / -frame[0].z, "perspective"
         parameters["float fov"] = 90.0
     parameters["float screenwindow"] = [left * scale, right * scale, low * scale, high * scale]
-    if data.dof.use_dof:
+    if data.dof.use_dof and data.type == "ORTHO":
+        report.lost(f"camera {owner.name}", "an orthographic camera has no depth of field")
+    elif data.dof.use_dof:
         radius = lens_radius(data)
         if radius > 0:
             parameters |= {"float lensradius": radius, "float focaldistance": max(1e-4, focus(owner, poses[0]))}

@@ -107,5 +107,5 @@ def export(corners, slot_count, places_of, folder, lost):
             if not everything:
                 used, vertex = np.unique(triangles, return_inverse=True)
                 kept, triangles = {name: data[used] for name, data in kept.items()}, vertex.reshape(-1, 3)
-        written.append((int(slot), ply.store(ply.encode(triangles=triangles, **kept), folder, ".ply")))
+        written.append((int(slot), ply.store(*ply.encode(triangles=triangles, **kept), folder)))
     return written

@@ -1,4 +1,5 @@
 """Meshes as binary PLY files, named by their content. Needs numpy, which Blender has, but no Blender."""
+import glob
 import hashlib
 import os
 
@@ -20,8 +21,12 @@ def shared(columns):
     return order[first], vertex
 
 
+NORMAL = ("nx", "ny", "nz")
+NOISE = 1e-6  # Blender 3.4 adds up the normals of a vertex in an order that changes
+
+
 def encode(positions, triangles, normals=None, uvs=None, colors=None):
-    """The bytes of a file, in pieces. One row for each vertex; triangles hold three numbers of vertices."""
+    """A file in three pieces: head, vertices, faces. One row for each vertex; triangles hold three numbers of vertices."""
     columns = [("x y z", positions), ("nx ny nz", normals), ("u v", uvs), ("red green blue", colors)]
     fields = [(name, data[:, i]) for names, data in columns if data is not None for i, name in enumerate(names.split())]
     vertices = np.empty(len(positions), [(name, "<f4") for name, _ in fields])
@@ -31,20 +36,28 @@ def encode(positions, triangles, normals=None, uvs=None, colors=None):
     faces["count"], faces["corners"] = 3, triangles
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}", *(f"property float {name}" for name, _ in fields),
             f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
-    return ["\n".join(head).encode(), vertices.data.cast("B") if len(vertices) else b"", faces.data.cast("B") if len(faces) else b""]
+    return "\n".join(head).encode(), vertices, faces
 
 
-def store(pieces, folder, suffix):
-    """Writes `pieces` to a file in `folder` that their content names, unless it is there: returns its name."""
-    digest = hashlib.blake2b(digest_size=12)
-    for piece in pieces:
-        digest.update(piece)
-    name = digest.hexdigest() + suffix
-    path = os.path.join(folder, name)
-    if not os.path.exists(path):
-        os.makedirs(folder, exist_ok=True)
-        with open(path + ".unfinished", "wb") as file:
-            for piece in pieces:
-                file.write(piece)
-        os.replace(path + ".unfinished", path)
-    return name
+def store(head, vertices, faces, folder):
+    """Writes a mesh to a file in `folder` that its content names, unless it is there: returns its name. Normals that differ by no more than
+    NOISE are the same: otherwise, an unchanged scene would be another job."""
+    normals = [name for name in vertices.dtype.names if name in NORMAL]
+    digest = hashlib.blake2b(head, digest_size=12)
+    for name in vertices.dtype.names:
+        if name not in normals:
+            digest.update(np.ascontiguousarray(vertices[name]))
+    digest.update(faces.tobytes())
+    stem = os.path.join(folder, digest.hexdigest())
+    for path in sorted(glob.glob(glob.escape(stem) + "*.ply")):
+        known = np.fromfile(path, vertices.dtype, len(vertices), offset=len(head))
+        if all(np.abs(known[name] - vertices[name]).max(initial=0) <= NOISE for name in normals):
+            return os.path.basename(path)
+    of_normals = hashlib.blake2b(b"".join(np.ascontiguousarray(vertices[name]) for name in normals), digest_size=6).hexdigest()
+    path = f"{stem}-{of_normals}.ply"
+    os.makedirs(folder, exist_ok=True)
+    with open(path + ".unfinished", "wb") as file:
+        for piece in (head, vertices.tobytes(), faces.tobytes()):
+            file.write(piece)
+    os.replace(path + ".unfinished", path)
+    return os.path.basename(path)

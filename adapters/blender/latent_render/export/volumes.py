@@ -50,7 +50,7 @@ def voxels(owner, pose, folder, report):
     parameters, density = coefficients(output, graph), found[0].inputs["Density Attribute"].default_value
     try:
         file = converted(owner, folder)
-    except (OSError, Unknown, subprocess.CalledProcessError) as error:
+    except (OSError, RuntimeError, Unknown, subprocess.CalledProcessError) as error:
         lost(f"its voxels are left out: {error}")
         return []
     if parameters.pop("rgb Le", None):
@@ -73,7 +73,8 @@ def converted(owner, folder):
     if not program:
         raise Unknown(f"{CONVERTER} is not on the PATH (Debian has it in libnanovdb-tools)")
     grids = owner.data.grids
-    grids.load()
+    if not grids.load():
+        raise Unknown(grids.error_message or "its file cannot be read")
     path = bpy.path.abspath(grids.frame_filepath or "", library=owner.original.data.library)
     os.makedirs(folder, exist_ok=True)
     saved = os.path.join(folder, "unfinished.vdb")
