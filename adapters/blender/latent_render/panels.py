@@ -4,10 +4,10 @@ import bpy
 from . import engine
 
 # Panels of other engines that set what is exported.
-SHARED = {"EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "CYCLES_LIGHT_PT_beam_shape", "EEVEE_MATERIAL_PT_context_material",
+SHARED = {"EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "DATA_PT_spot", "EEVEE_MATERIAL_PT_context_material",
           "EEVEE_NEXT_MATERIAL_PT_surface", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
 UNUSED = {"RENDER_PT_simplify_greasepencil", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_stereoscopy",
-          "DATA_PT_light", "DATA_PT_area", "DATA_PT_spot"}  # the last three: other panels say the same
+          "DATA_PT_light", "DATA_PT_area"}  # the last two: DATA_PT_EEVEE_light says the same
 
 
 def shared_panels():
@@ -137,6 +137,8 @@ class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
         if settings.spectrum in ("DAYLIGHT", "BLACKBODY"):
             self.layout.prop(settings, "kelvin")
         self.layout.prop(settings, "visible")
+        if context.light.type == "AREA":
+            self.layout.prop(context.light, "spread")
 
 
 CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_motion, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)
