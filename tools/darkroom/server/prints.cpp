@@ -82,7 +82,7 @@ Result<std::uint64_t> Prints::add(const std::filesystem::path& output, const Rec
     order.id = ++last_id_;
     order.name = output.filename().string();
     order.output = output;
-    order.recipe = recipe;
+    order.recipe = recipe.dump(-1, ' ', true);
     order.replace = replace;
     orders_.push_back(std::move(order));
     changed_.notify_all();
@@ -114,27 +114,24 @@ void Prints::work() {
         changed_.wait(lock, [&] { return ends_ || next() != orders_.end(); });
         if (ends_) return;
         next()->state = PrintState::kRunning;
-        Order order = *std::ranges::find(orders_, PrintState::kRunning, &Order::state);
+        const Order order = *std::ranges::find(orders_, PrintState::kRunning, &Order::state);
         lock.unlock();
-        make(std::move(order));
+        make(order);
     }
 }
 
-void Prints::make(Order order) {
+void Prints::make(const Order& order) {
     std::vector<std::string> command = command_;
     command.insert(command.end(), {"--recipe", fmt::format("/dev/fd/{}", kRecipeDescriptor), "-o", order.output.string()});
     if (order.replace) command.emplace_back("--force");
     Status ready;
     Result<File> recipe = File::create_in_memory();
-    if (recipe) {
-        const std::string text = order.recipe.dump(-1, ' ', true);
-        ready = recipe->write_all(0, std::as_bytes(std::span(text)));
-    }
+    if (recipe) ready = recipe->write_all(0, std::as_bytes(std::span(order.recipe)));
     Result<Started> started = !recipe ? recipe.error() : !ready ? ready.error() : Result<Started>(Started{});
     {
         const std::scoped_lock lock(mutex_);
         Order* const kept = find(order.id);
-        if (!kept || kept->state == PrintState::kCancelled) return;
+        if (!kept || kept->state == PrintState::kCancelled || ends_) return;
         if (started) started = start(command, recipe->descriptor());
         if (!started) {
             kept->state = PrintState::kFailed;

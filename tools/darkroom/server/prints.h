@@ -41,11 +41,11 @@ class Prints {
  private:
     struct Order : PrintJob {
         std::filesystem::path output;
-        Recipe recipe;
+        std::string recipe;  // JSON
         bool replace = false;
     };
     void work();
-    void make(Order order);
+    void make(const Order& order);
     Order* find(std::uint64_t id);
 
     const std::vector<std::string> command_;
