@@ -30,8 +30,6 @@ float within_rim(float square) {
     const float share = (1 - std::sqrt(square)) * kPerCell + 0.5f;
     return std::min(std::max(share, 0.0f), 1.0f);
 }
-// The same of the part of a cell that lies in the disk; `per_area`: one over the size of that part.
-float within_rims(float square, float per_area) { return std::min(within_rim(square) * per_area, 1.0f); }
 
 }  // namespace
 
@@ -109,45 +107,11 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
     if (!aperture.is_whole()) cells_ = cells.transmission;
-    if (rim_u_ != 0) {
-        for (const float area : cells.area) per_area_.push_back(area > 0 ? 1 / area : 1);
-    }
-    set_means(cells, LensSums(squares), disk);
+    set_means(LensSums(squares), disk);
     leaves_out_ = closed_somewhere && mean_ < kNearlyAll;
 }
 
-// The light through both rims, and what it would be if all were squared. The rear rim is the unit circle about (x, y) on the lens.
-// Where the rims lie in one cell, they are taken to run side by side, as they do near the middle of the picture.
-std::array<double, 2> LensWeights::light_through_rims(const LensCells& cells, const LensSums& square_sums, double x,
-                                                      double y) const {
-    constexpr double kPerCell = kLensCells / 2.0, kHalfCell = 0.5 / kPerCell;
-    // Cells whose middles lie in this circle, from the first to before the last.
-    const auto within = [x](double radius, double dy) {
-        const double half = std::sqrt(std::max(0.0, radius * radius - dy * dy));
-        const auto cell = [](double at) { return std::clamp(std::ceil((at + 1) * kPerCell - 0.5), 0.0, double{kLensCells}); };
-        return radius > std::abs(dy) ? std::array{cell(x - half), cell(x + half)} : std::array{cell(x), cell(x)};
-    };
-    double light = 0, squared = 0;
-    for (std::size_t row = 0; row < kLensCells; ++row) {
-        const double dy = middle_of_cell(row) - y;
-        const auto [first, last] = within(1 - kHalfCell, dy);
-        const auto [begin, end] = within(1 + kHalfCell, dy);
-        light += light_.rows_between(row, row + 1, first, last);
-        squared += square_sums.rows_between(row, row + 1, first, last);
-        for (std::size_t column = static_cast<std::size_t>(begin); column < static_cast<std::size_t>(end); ++column) {
-            if (static_cast<double>(column) >= first && static_cast<double>(column) < last) continue;
-            const std::size_t cell = row * kLensCells + column;
-            const double dx = middle_of_cell(column) - x;
-            const auto weight =
-                static_cast<double>(cells.transmission[cell] * within_rims(static_cast<float>(dx * dx + dy * dy), per_area_[cell]));
-            light += weight * static_cast<double>(cells.area[cell]);
-            squared += weight * weight * static_cast<double>(cells.area[cell]);
-        }
-    }
-    return {light, squared};
-}
-
-void LensWeights::set_means(const LensCells& cells, const LensSums& square_sums, double disk) {
+void LensWeights::set_means(const LensSums& square_sums, double disk) {
     const std::size_t across = rim_u_ != 0 ? kPatches + 1 : 1;
     const auto place = [across](std::size_t k) { return across > 1 ? static_cast<double>(k) / kPatches : 0.5; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
@@ -156,13 +120,16 @@ void LensWeights::set_means(const LensCells& cells, const LensSums& square_sums,
     std::vector<float> means;  // at the corners of the patches
     double mean = 0, kept = 0;
     for (std::size_t j = 0; j < across; ++j) {
+        std::array<double, kLensCells> chords{};
+        for (std::size_t row = 0; row < kLensCells; ++row) chords[row] = half_chord(middle_of_cell(row), place(j));
         for (std::size_t i = 0; i < across; ++i) {
-            const auto [light, squared] =
-                across == 1 ? std::array{light_.rows_between(0, kLensCells, 0, kLensCells),
-                                         square_sums.rows_between(0, kLensCells, 0, kLensCells)}
-                            : light_through_rims(cells, square_sums, (place(i) - 0.5) * static_cast<double>(rim_u_),
-                                                 (place(j) - 0.5) * static_cast<double>(rim_v_));
-            const Moments here{light / disk, squared / disk};
+            Moments here;
+            for (std::size_t row = 0; row < kLensCells; ++row) {
+                const auto [begin, end] = in_rear_rim(chords[row], place(i));
+                here.mean += light_.rows_between(row, row + 1, begin, end);
+                here.square += square_sums.rows_between(row, row + 1, begin, end);
+            }
+            here.mean /= disk, here.square /= disk;
             means.push_back(static_cast<float>(here.mean));
             const double area = share(i) * share(j);
             mean += area * here.mean;
@@ -311,15 +278,14 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
     constexpr float kCell = 2.0f / kLensCells;
     const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2;
     std::array<std::int32_t, kAtOnce> x{}, y{};
-    std::array<float, kAtOnce> u{}, v{}, per_area{};
+    std::array<float, kAtOnce> u{}, v{};
     const std::uint32_t *const its_u = page.u.data(), *const its_v = page.v.data();
     for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
         const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
         float* const out = weights.data() + done;
         for (std::size_t i = 0; i < count; ++i) {
             x[i] = static_cast<std::int32_t>(columns[first + i]), y[i] = static_cast<std::int32_t>(rows[first + i]);
-            const std::size_t cell = static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i]);
-            out[i] = cells_[cell], per_area[i] = per_area_[cell];
+            out[i] = cells_[static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i])];
         }
         for (std::size_t i = 0; i < count; ++i) {
             u[i] = fraction_of(its_u[first + i]), v[i] = fraction_of(its_v[first + i]);
@@ -327,7 +293,7 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, st
         for (std::size_t i = 0; i < kAtOnce; ++i) {
             const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * rim_u_,
                         dy = static_cast<float>(y[i]) * kCell + from_y - v[i] * rim_v_;
-            u[i] = within_rims(dx * dx + dy * dy, per_area[i]);
+            u[i] = within_rim(dx * dx + dy * dy);
         }
         for (std::size_t i = 0; i < count; ++i) out[i] *= u[i];
     }

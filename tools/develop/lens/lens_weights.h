@@ -94,13 +94,12 @@ class LensWeights {
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
     void set_focus(const std::array<double, 2>& film_shift);
     void set_shutter(const Shutter& shutter, const ShutterCurve& curve);
-    void set_means(const LensCells& cells, const LensSums& square_sums, double disk);
+    void set_means(const LensSums& square_sums, double disk);
     void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
     float share_on_film(double u, double v) const;
     std::array<double, 2> light_between(std::size_t first, std::size_t last, double begin, double end, double u, double v) const;
-    std::array<double, 2> light_through_rims(const LensCells& cells, const LensSums& square_sums, double x, double y) const;
     double half_chord(double y_on_lens, double v) const;
     std::array<double, 2> in_rear_rim(double half_chord, double u) const;
 
@@ -109,8 +108,7 @@ class LensWeights {
 
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
     std::vector<float> cells_{};                                // transmission; none: of the whole lens
-    std::vector<float> per_area_{};  // one over the share of a cell that lies in the disk; for a cat's eye
-    float rim_u_ = 0, rim_v_ = 0;    // distance of the rims, in radii per unit of u and of v
+    float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
     // The mean over the lens, on kPatches x kPatches patches of the film: at a corner, and what is added to the right of it, below
     // it, and in both directions.
     static constexpr int kPatchBits = 5, kPatches = 1 << kPatchBits;
