@@ -35,19 +35,12 @@ class Diagnostics {
     void warn(const std::string& place, const std::string& message) { say(place, message, warnings_); }
     void note(const std::string& place, const std::string& message) { say(place, message, notes_); }
 
-    // A warning that many places may deserve: the first of its kind is said, with how many followed.
+    // What many places may deserve: the first of its kind is said, with how many followed.
     void warn_of_kind(const std::string& kind, const std::string& place, const std::string& message) {
-        const auto [first, is_new] = kinds_.try_emplace(kind);
-        Kind& of_kind = first->second;
-        if (!of_kind.places.insert(place).second) return;
-        if (is_new) {
-            of_kind.line = warnings_.lines.size();
-            if (say(place, message, warnings_)) of_kind.text = warnings_.lines[of_kind.line];
-        } else if (!of_kind.text.empty()) {
-            const std::size_t others = of_kind.places.size() - 1;
-            warnings_.lines[of_kind.line] =
-                of_kind.text + " (and in " + std::to_string(others) + (others == 1 ? " other place)" : " other places)");
-        }
+        say_of_kind(kind, place, message, warnings_);
+    }
+    void note_of_kind(const std::string& kind, const std::string& place, const std::string& message) {
+        say_of_kind(kind, place, message, notes_);
     }
 
     // "room.pbrt:12:3".
@@ -82,6 +75,19 @@ class Diagnostics {
         std::string text{};  // of the first; empty if it was not said
         std::unordered_set<std::string> places{};
     };
+    void say_of_kind(const std::string& kind, const std::string& place, const std::string& message, Lines& out) {
+        const auto [first, is_new] = kinds_.try_emplace(kind);
+        Kind& of_kind = first->second;
+        if (!of_kind.places.insert(place).second) return;
+        if (is_new) {
+            of_kind.line = out.lines.size();
+            if (say(place, message, out)) of_kind.text = out.lines[of_kind.line];
+        } else if (!of_kind.text.empty()) {
+            const std::size_t others = of_kind.places.size() - 1;
+            out.lines[of_kind.line] =
+                of_kind.text + " (and in " + std::to_string(others) + (others == 1 ? " other place)" : " other places)");
+        }
+    }
 
     const std::vector<std::string>* files_;
     std::unordered_map<std::string, Kind> kinds_;

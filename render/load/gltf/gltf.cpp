@@ -363,7 +363,8 @@ class GltfLoader {
         if (!options_.camera.empty() && of_node != options_.camera && of_camera != options_.camera) return;
         if (model_.has_camera) {
             if (options_.camera.empty())
-                node["camera"].warn("is ignored: the scene's first camera is used; --camera NAME chooses another");
+                node["camera"].warn_of_kind("camera",
+                                            "is ignored: the scene's first camera is used; --camera NAME chooses another");
             return;
         }
         if (moving.moves()) {

@@ -66,9 +66,9 @@ MaterialDescription read_glass(const GltfValue& material, const ModelColors& col
 
 void tell_of_ignored(const GltfValue& material) {
     if (const GltfValue occlusion = material["occlusionTexture"]; occlusion.exists())
-        occlusion.note("is not used: occlusion is computed");
+        occlusion.note_of_kind("occlusion", "is not used: occlusion is computed");
     if (const GltfValue thick = material.extension("KHR_materials_volume")["thicknessTexture"]; thick.exists())
-        thick.note("is not used: light takes its way through the shape");
+        thick.note_of_kind("thickness", "is not used: light takes its way through the shape");
 }
 
 // Where its colour is not black.

@@ -75,6 +75,9 @@ class GltfValue {
     void warn_of_kind(const std::string& kind, const std::string& message) const {
         diagnostics_->warn_of_kind(kind, place(), message);
     }
+    void note_of_kind(const std::string& kind, const std::string& message) const {
+        diagnostics_->note_of_kind(kind, place(), message);
+    }
     const std::string& path() const { return path_; }
 
  private:
