@@ -104,7 +104,8 @@ TEST_F(UntilNoiseTest, EndsAtTheLimitsAndSaysSo) {
 }
 
 TEST_F(UntilNoiseTest, GoesOnWhereItWasStopped) {
-    ASSERT_EQ(render("a.latent", {"--until-noise", "2%@48", "--max-time", "0.05", "--checkpoint", "0.01"}).status, 75);
+    // No machine is that quick.
+    ASSERT_EQ(render("a.latent", {"--until-noise", "0.1%@48", "--max-time", "0.05", "--checkpoint", "0.01"}).status, 75);
     const Outcome outcome = render("a.latent", {"--until-noise", "2%@48", "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_LE(json::parse(outcome.out)["noise"]["median"], 0.02);
