@@ -6,46 +6,17 @@
 //   4. (a page that compares) drags the divider from the middle to three quarters of the window, before 3.;
 //   5. clicks into the middle of the navigator, which the views leave out.
 // Prints one JSON object: the deepest level asked for before and after turning the wheel, tiles asked for, the address left by the
-// wheel, the title, where the navigator is, and the pixel in the middle of the window after the click. Chromium is driven over its DevTools pipe; nothing but Node.js is needed.
-import { spawn } from "node:child_process";
-import { writeFileSync } from "node:fs";
+// wheel, the title, where the navigator is, and the pixel in the middle of the window after the click.
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { startChromium } from "../../support/chromium.mjs";
 
 const [page, folder, ...views] = process.argv.slice(2);
-const chromium = spawn("chromium", [
-  "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-  "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--force-color-profile=srgb",
-  "--hide-scrollbars", `--user-data-dir=${join(folder, "chromium")}`, "--remote-debugging-pipe", "about:blank",
-], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
-const done = new Promise((end) => chromium.on("exit", end));
-
-// Commands and answers are JSON texts that end in a zero byte.
-let count = 0, session, pending = "";
-const answers = new Map(), tiles = [];
-function send(method, params = {}) {
-  const id = ++count;
-  chromium.stdio[3].write(JSON.stringify({ id, method, params, ...(session ? { sessionId: session } : {}) }) + "\0");
-  return new Promise((good, bad) => answers.set(id, { good, bad, method }));
-}
-chromium.stdio[4].on("data", (data) => {
-  const texts = (pending + data).split("\0");
-  pending = texts.pop();
-  for (const text of texts) {
-    const message = JSON.parse(text);
-    if (message.method === "Network.requestWillBeSent") tiles.push(message.params.request.url);
-    const waiting = answers.get(message.id);
-    if (!waiting) continue;
-    answers.delete(message.id);
-    if (message.error) waiting.bad(new Error(`${waiting.method}: ${message.error.message}`));
-    else waiting.good(message.result);
-  }
-});
-async function evaluate(expression) {
-  const { result, exceptionDetails } = await send("Runtime.evaluate", { expression, returnByValue: true });
-  if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
-  return result.value;
-}
+const tiles = [];
+const chromium = startChromium(folder, (method, params) => {
+  if (method === "Network.requestWillBeSent") tiles.push(params.request.url);
+}, ["--hide-scrollbars"]);
+const { send, evaluate } = chromium;
 // Until the picture stands still and all its tiles are there.
 async function settled() {
   for (let still = 0; still < 3;) {
@@ -58,13 +29,9 @@ async function settled() {
 }
 const levels = () => tiles.map((url) => /_files\/(\d+)\/\d+_\d+\./.exec(url)).filter(Boolean).map((match) => Number(match[1]));
 
-const limit = setTimeout(() => { console.error("look.mjs: no picture within 250 s"); chromium.kill("SIGKILL"); process.exit(1); }, 250000);
+const limit = setTimeout(() => { console.error("look.mjs: no picture within 250 s"); chromium.kill(); process.exit(1); }, 250000);
 try {
-  const { targetId } = await send("Target.createTarget", { url: "about:blank" });
-  session = (await send("Target.attachToTarget", { targetId, flatten: true })).sessionId;
-  await send("Network.enable");
-  await send("Emulation.setDeviceMetricsOverride", { width: 800, height: 600, deviceScaleFactor: 1, mobile: false });
-  await send("Page.navigate", { url: pathToFileURL(resolve(page)).href });
+  await chromium.open(pathToFileURL(resolve(page)).href, 800, 600, ["Network"]);
   await settled();
   const before = Math.max(...levels());
   for (let i = 0; i < 8; ++i) {
@@ -90,24 +57,19 @@ try {
   for (const [index, view] of views.entries()) {
     await evaluate(`location.hash = ${JSON.stringify("#" + view)}`);
     await settled();
-    const { data } = await send("Page.captureScreenshot", { format: "png" });
-    writeFileSync(join(folder, `seen-${index}.png`), Buffer.from(data, "base64"));
+    await chromium.screenshot(join(folder, `seen-${index}.png`));
   }
   await evaluate(`viewer.navigator.element.style.visibility = "visible"`);
   const map = await evaluate(`(({ x, y, width, height }) => ({ x, y, width, height }))(viewer.navigator.element.getBoundingClientRect())`);
-  const place = { x: map.x + map.width / 2, y: map.y + map.height / 2, button: "left", clickCount: 1 };
-  await send("Input.dispatchMouseEvent", { type: "mouseMoved", x: place.x, y: place.y });
-  await send("Input.dispatchMouseEvent", { type: "mousePressed", ...place });
-  await send("Input.dispatchMouseEvent", { type: "mouseReleased", ...place });
+  await chromium.click(map.x + map.width / 2, map.y + map.height / 2);
   await new Promise((later) => setTimeout(later, 2500));  // it glides there for 1.2 s
   const middle = await evaluate(`(({ x, y }) => [x * picture.width, y * picture.width])(viewer.viewport.getCenter(true))`);
   console.log(JSON.stringify({ before, after, tiles: levels().length, address, title, map, middle, split }));
-  session = undefined;
-  await send("Browser.close");
+  await chromium.close();
 } catch (error) {
   console.error(`look.mjs: ${error.message}`);
-  chromium.kill("SIGKILL");
+  chromium.kill();
   process.exitCode = 1;
 }
-await done;
+await chromium.done;
 clearTimeout(limit);
