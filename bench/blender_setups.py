@@ -11,11 +11,10 @@ import sys
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-import blender_features  # noqa: E402, F401: finds latent_render
 import bpy  # noqa: E402
+from blender_parts import ball, in_front, lamp, material, plane, principled, put, shot, side_by_side, sky, socket, start  # noqa: E402
 import latent_render  # noqa: E402
 import numpy as np  # noqa: E402
-from blender_features import ball, in_front, lamp, material, plane, principled, put, shot, side_by_side, sky, socket, start  # noqa: E402
 
 WIDTH, HEIGHT = 192, 144
 

@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from blender_features import above, ball, diffuse, material, start, with_texture  # noqa: E402
+from blender_parts import above, ball, diffuse, material, start, with_texture  # noqa: E402
 from latent_render import engine  # noqa: E402
 
 folder, what = (sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
