@@ -48,32 +48,49 @@ TEST(Forecast, OnABusyMachineTimeIsThatOfTheProcessorsShareAndOfFiles) {
     EXPECT_LE(share, 1);
 }
 
-// Costs that are linear in pixels and bytes, of pictures from small to far too large to be tried: the forecast is exact, and the
-// trials do not depend on the size.
+// Costs that are linear in pixels and in bytes decoded and drawn, of pictures from small to far too large to be tried, by pages of
+// any size: the forecast is exact, and the trials do not depend on the size.
 TEST(Forecast, OfAPictureOfAnySizeTakesNoLonger) {
     struct Machine {
-        double setup, pixel, byte;  // seconds
+        double setup, pixel, decode, draw;  // seconds
     };
     constexpr std::size_t kRuns = 400;
-    constexpr double kRun = 64 << 20;  // bytes
-    for (const Machine& machine : {Machine{0.02, 60e-9, 4e-9}, {0.001, 10e-9, 0.15e-9}, {0, 200e-9, 8e-9}}) {
+    constexpr double kRun = 16 << 20;  // bytes
+    constexpr int kReach = 3;
+    for (const Machine& machine :
+         {Machine{0.02, 60e-9, 4e-9, 3e-9}, {0.001, 10e-9, 0.05e-9, 0.1e-9}, {0, 200e-9, 1e-9, 7e-9}, {0.003, 0, 3e-9, 0}}) {
         for (const std::uint32_t side : {100u, 512u, 3000u, 18000u, 200000u}) {
-            double spent = 0;
-            const auto pixels = [](const PixelRect& r) { return static_cast<double>(r.width() * r.height()); };
-            const PictureTrial trial = [&](const TrialPicture& p) -> Result<TrialOutcome> {
-                const double bytes = kRun * static_cast<double>(p.runs) * pixels(p.crop) / (double{1} * p.width * p.height);
-                const double seconds = machine.setup + machine.pixel * pixels(p.crop) + machine.byte * bytes;
-                spent += seconds;
-                return TrialOutcome{{seconds, seconds, 0}, static_cast<std::uint64_t>(bytes), 0};
-            };
-            const PixelRect whole{0, 0, side, side};
-            const double decoded = 1.5 * kRuns * kRun;
-            const Result<TrialOutcome> expected = extrapolate({side, side, whole, kRuns}, decoded, trial);
-            ASSERT_TRUE(expected);
-            const double truth = machine.setup + machine.pixel * pixels(whole) + machine.byte * decoded;
-            // The small picture's pixels cost what a few MB of pages cost.
-            EXPECT_NEAR(expected->cost.cpu / truth, 1, 0.05) << side << " " << machine.byte;
-            EXPECT_LE(spent, 1.6 + 5 * machine.setup) << side << " " << machine.byte;
+            for (const int page_level : {1, 3, 5}) {
+                double spent = 0;
+                const auto pixels = [](const PixelRect& r) { return static_cast<double>(r.width() * r.height()); };
+                // Share of the film that pages cover along an axis, those that cells first .. last - 1 reach.
+                const auto covered = [&](std::int64_t first, std::int64_t last, int level) {
+                    const double cells = std::max(1.0, std::exp2(level - page_level));  // of a page
+                    const double pages =
+                        std::ceil(static_cast<double>(last) / cells) - std::floor(static_cast<double>(first) / cells);
+                    return pages * cells / std::exp2(level);
+                };
+                const PictureTrial trial = [&](const TrialPicture& p) -> Result<TrialOutcome> {
+                    const double runs = kRun * static_cast<double>(p.runs);
+                    const FilmGrid grid(p.width, p.height, kReach);
+                    const PixelRect cells = grid.cells_reaching(p.crop);
+                    const double decoded =
+                        runs * covered(cells.x0, cells.x1, grid.level()) * covered(cells.y0, cells.y1, grid.level());
+                    const double drawn = runs * pixels(cells) / std::exp2(2 * grid.level());
+                    const double seconds =
+                        machine.setup + machine.pixel * pixels(p.crop) + machine.decode * decoded + machine.draw * drawn;
+                    spent += seconds;
+                    return TrialOutcome{{seconds, seconds, 0}, static_cast<std::uint64_t>(decoded), 0};
+                };
+                const PixelRect whole{0, 0, side, side};
+                const double decoded = (side > 10000 ? 1.5 : 1) * kRuns * kRun;  // some twice, if memory is small
+                const Result<TrialOutcome> expected = extrapolate({side, side, whole, kRuns, kReach}, decoded, trial);
+                ASSERT_TRUE(expected);
+                const double truth =
+                    machine.setup + machine.pixel * pixels(whole) + machine.decode * decoded + machine.draw * kRuns * kRun;
+                EXPECT_NEAR(expected->cost.cpu / truth, 1, 0.03) << side << " " << machine.decode << " " << page_level;
+                EXPECT_LE(spent, 1.9 + 8 * machine.setup) << side << " " << machine.decode << " " << page_level;
+            }
         }
     }
 }

@@ -42,7 +42,7 @@ Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial) {
     constexpr double kMaxGrowth = 4;
-    constexpr std::size_t kRepeats = 2;
+    constexpr std::size_t kRepeats = 2, kLastRepeats = 4;
     LinearCost cost;
     Tried first, last;
     std::vector<Tried> repeated;  // the last amount, the cheaper first
@@ -74,7 +74,7 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         if (next > amount && next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
             repeated.clear();
-        } else if (repeated.size() == kRepeats || left < last.cost.wall) {
+        } else if (repeated.size() == kLastRepeats || left < last.cost.wall) {
             return cost;
         }
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
@@ -53,7 +54,8 @@ Status check_space(const std::filesystem::path& output, bool replace, std::uint6
 }
 
 double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& folder) {
-    constexpr double kSeconds = 0.2;
+    constexpr double kSeconds = 0.2, kMaxSeconds = 0.6;
+    constexpr std::size_t kEnough = 3;  // blocks
     constexpr std::uint64_t kAtOnce = 4 << 20;
     Result<File> file = File::create_unnamed(folder);
     if (!file) return 0;
@@ -63,7 +65,7 @@ double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& f
     std::vector<double> waited;  // for a block
     const Stopwatch stopwatch;
     std::uint64_t written = 0;
-    while (written < bytes && (stopwatch.seconds() < kSeconds || waited.empty())) {
+    while (written < bytes && stopwatch.seconds() < (waited.size() < kEnough ? kMaxSeconds : kSeconds)) {
         const std::uint64_t size = std::min(kAtOnce, bytes - written);
         if (!file->write_all(written, std::span(noise).first(size))) return 0;
         const CostMeter meter;
@@ -73,7 +75,7 @@ double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& f
     }
     if (waited.empty()) return 0;
     std::ranges::sort(waited);  // the median: a disk that halts for a moment says nothing about the rest
-    return waited[waited.size() / 2] * std::ceil(static_cast<double>(bytes) / static_cast<double>(kAtOnce));
+    return waited[(waited.size() - 1) / 2] * std::ceil(static_cast<double>(bytes) / static_cast<double>(kAtOnce));
 }
 
 namespace {
@@ -97,71 +99,89 @@ TrialPicture scaled_to(const TrialPicture& picture, double pixels) {
     return out;
 }
 
-// A piece of `crop` with about so many pixels, in its middle.
-PixelRect piece_of(const PixelRect& crop, double pixels) {
-    const double factor = std::min(1.0, std::sqrt(pixels / area(crop)));
-    const auto side = [&](std::int64_t all) {
-        return std::max<std::int64_t>(1, static_cast<std::int64_t>(static_cast<double>(all) * factor));
+// The records of so many runs are drawn: those of cells that reach the crop.
+double drawn_runs(const TrialPicture& picture) {
+    const FilmGrid grid(picture.width, picture.height, picture.reach);
+    return static_cast<double>(picture.runs) * std::ldexp(area(grid.cells_reaching(picture.crop)), -2 * grid.level());
+}
+
+// What the film's halves, halved by turns from left to right and from top to bottom, have in common with the crop: of the largest
+// that has at most so many pixels, those that records of other parts do not reach. Around a point that is at no border of large
+// parts. So pages that are parts of the film are drawn whole, or not decoded.
+PixelRect piece_of(const TrialPicture& picture, double pixels) {
+    constexpr double kAt = 0.52;
+    const PixelRect& crop = picture.crop;
+    if (pixels >= area(crop)) return crop;
+    const FilmGrid grid(picture.width, picture.height, picture.reach);
+    const double film = double{1} * picture.width * picture.height;
+    const int halvings = std::min(static_cast<int>(std::ceil(std::log2(film / pixels))), 2 * grid.level());
+    const std::int64_t x = crop.x0 + static_cast<std::int64_t>(kAt * static_cast<double>(crop.width()));
+    const std::int64_t y = crop.y0 + static_cast<std::int64_t>(kAt * static_cast<double>(crop.height()));
+    const auto part = [&](std::int64_t at, std::uint32_t all, int times) {
+        const std::int64_t cells = std::int64_t{1} << (grid.level() - times);
+        const std::int64_t first = at * (std::int64_t{1} << grid.level()) / all / cells * cells;
+        return std::pair(first, first + cells);
     };
-    const std::int64_t w = side(crop.width()), h = side(crop.height());
-    const std::int64_t x = crop.x0 + (crop.width() - w) / 2, y = crop.y0 + (crop.height() - h) / 2;
-    return {x, y, x + w, y + h};
+    const auto [x0, x1] = part(x, picture.width, (halvings + 1) / 2);
+    const auto [y0, y1] = part(y, picture.height, halvings / 2);
+    const PixelRect piece = intersection(grid.inner_pixels({x0, y0, x1, y1}), crop);
+    return piece.empty() ? PixelRect{x, y, x + 1, y + 1} : piece;
 }
 
 }  // namespace
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
-    constexpr double kSeconds = 1.4, kDecodeSeconds = 0.6, kEnough = 0.25;
-    constexpr double kSmall = 1 << 16;  // pixels
-    constexpr double kMinBytes = 1 << 22;
-    constexpr double kMinPixels = 1 << 19, kMaxPixels = 1 << 21;
-    constexpr double kMaxFixed = 0.1;  // of the last trial: what seems more is the machine's load, which changes between trials
+    constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.25;
+    constexpr double kDecodeEnough = 0.06;  // of what a piece decodes at least
+    constexpr double kFewPixels = 1 << 17;
     TrialOutcome last;
-    const TrialPicture small = scaled_to(picture, kSmall);
-    const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
-    const Trial decode = [&](double bytes) -> Result<Tried> {
-        TrialPicture some = small;
-        some.runs = static_cast<std::size_t>(std::clamp(bytes / run, 1.0, static_cast<double>(picture.runs)));
-        if (bytes < run) some.crop = piece_of(small.crop, area(small.crop) * bytes / run);
-        const Result<TrialOutcome> tried = trial(some);
-        if (!tried) return tried.error();
-        last = *tried;
-        return Tried{static_cast<double>(tried->decoded), tried->cost};
-    };
-    const double least = std::min(kMinBytes, run);
-    const Result<Tried> first = decode(least / 16);
-    if (!first) return first.error();
-    const Result<LinearCost> bytes = measure(kDecodeSeconds, least, decoded, kEnough, decode);
-    if (!bytes) return bytes.error();
-    const Cost once = at_least(first->cost - bytes->of(first->amount), {});  // done once in a process
-    TrialOutcome out = last;
-    out.cost = once + bytes->of(decoded);
-    if (small.width == picture.width) return out;
-
-    // As many pixels as there may be time for, from so many runs that these give each pixel as many bytes as all give it in the
-    // end: emptier pixels would compress faster, and fuller ones take longer.
-    const double pixels_in_all = area(picture.crop);
-    const double affordable = std::clamp(kEnough / std::max(bytes->each.cpu, 1e-12) / decoded * pixels_in_all, 1.0, kMaxPixels);
     const auto runs = static_cast<double>(picture.runs);
-    const double share = std::clamp(std::ceil(affordable / pixels_in_all * runs), 1.0, runs) / runs;
-    TrialPicture part = scaled_to(picture, pixels_in_all * share);
-    part.runs = static_cast<std::size_t>(std::round(share * runs));
-    const Trial develop = [&, whole = part.crop](double amount) -> Result<Tried> {
-        part.crop = piece_of(whole, amount);
-        const Result<TrialOutcome> tried = trial(part);
+    const double pixels_in_all = area(picture.crop);
+
+    // One pixel shows what bytes cost that are decoded and not drawn.
+    double decoded_for_one = 0;  // bytes, of each run
+    const Trial decode = [&](double amount) -> Result<Tried> {
+        TrialPicture one = picture;
+        one.crop = piece_of(picture, 1);
+        one.runs = static_cast<std::size_t>(amount);
+        const Result<TrialOutcome> tried = trial(one);
+        if (!tried) return tried.error();
+        decoded_for_one = static_cast<double>(tried->decoded) / std::floor(amount);
+        return Tried{std::floor(amount), tried->cost};
+    };
+    const Result<Tried> first = decode(1);
+    if (!first) return first.error();
+    const Result<LinearCost> decoding = measure(kDecodeSeconds, 1, runs, kDecodeEnough, decode);
+    if (!decoding) return decoding.error();
+    const Cost once = at_least(first->cost - decoding->of(1), {});  // done once in a process
+    const Cost byte = decoding->each * (1 / std::max(decoded_for_one, 1.0));
+
+    // Pieces of a smaller picture, from so many runs that these give each pixel as many bytes as all give it in the end: emptier
+    // pixels would compress faster, and fuller ones take longer. As many runs as possible, though: records of a cell that come from
+    // many pages are more work.
+    const double affordable = std::clamp(std::floor(kDecodeEnough / std::max(decoding->each.cpu, 1e-12)), 1.0, runs);
+    TrialPicture part = scaled_to(picture, pixels_in_all * affordable / runs);
+    part.runs = static_cast<std::size_t>(affordable);
+    double tried_pixels = 0, times = 1;
+    const Trial develop = [&](double amount) -> Result<Tried> {
+        TrialPicture piece = part;
+        piece.crop = piece_of(part, amount);
+        const Result<TrialOutcome> tried = trial(piece);
         if (!tried) return tried.error();
         last = *tried;
-        return Tried{area(part.crop), tried->cost};
+        tried_pixels = area(piece.crop);
+        times = drawn_runs(picture) / drawn_runs(piece);
+        return Tried{tried_pixels, tried->cost};
     };
+    // A page's part of the film is the least that draws what it must decode.
+    const double page_pixels = decoded_for_one * runs / std::max(decoded, 1.0) * area(part.crop);
     const Result<LinearCost> pixels =
-        measure(kSeconds - bytes->spent.wall, std::min(affordable / 4, kMinPixels), area(part.crop), kEnough, develop);
+        measure(kSeconds - decoding->spent.wall, std::min(kFewPixels, 2 * page_pixels), area(part.crop), kEnough, develop);
     if (!pixels) return pixels.error();
-    const double tried = area(part.crop), times = pixels_in_all / tried;
-    const Cost last_cost = pixels->of(tried), fixed = at_most(pixels->fixed, last_cost * kMaxFixed);
-    const Cost pixels_cost = fixed + (last_cost - fixed) * times;
-    // Pieces may decode more than their share of the bytes: pages at their borders, and in a refocused picture many more.
-    const Cost drawing = at_least(pixels_cost - bytes->each * (static_cast<double>(last.decoded) * times), {});
-    out.cost = once + drawing + bytes->each * decoded;
+    const Cost drawing = at_least(pixels->of(tried_pixels) - decoding->fixed - byte * static_cast<double>(last.decoded), {});
+    TrialOutcome out;
+    out.cost = once + decoding->fixed + drawing * times + byte * decoded;
+    out.decoded = static_cast<std::uint64_t>(decoded);
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

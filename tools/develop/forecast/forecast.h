@@ -30,7 +30,7 @@ std::string to_json(const Forecast& forecast);
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes);
 
 // How long a file of `bytes` at `folder` makes its writer wait for the disk, found out by writing a file without a name for a fifth
-// of a second. 0 if none can be written.
+// of a second, or somewhat longer if the disk is slow. 0 if none can be written.
 double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& folder);
 
 // A picture that is developed to see what that costs: `crop` of a picture of that size, from the first `runs` in random order.
@@ -38,6 +38,7 @@ struct TrialPicture {
     std::uint32_t width = 0, height = 0;
     PixelRect crop;
     std::size_t runs = 0;
+    int reach = 0;  // of the filter, in pixels
 };
 struct TrialOutcome {
     Cost cost;
@@ -46,8 +47,9 @@ struct TrialOutcome {
 };
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
-// What `picture` will cost, from trials of about 1.4 seconds in all: small pictures for the cost of a byte of pages, then pieces
-// of the picture itself. `decoded`: bytes of pages that will be decoded for it, repeats included. Errors: those of `trial`.
+// What `picture` will cost, from trials of about 1.2 seconds in all: one pixel of it for the cost of a byte of pages that is
+// decoded, then pieces for that of drawing. `decoded`: bytes of pages that will be decoded for it, repeats included. Errors: those
+// of `trial`.
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial);
 
 }  // namespace latent::develop

@@ -529,7 +529,7 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         cost.serial = sink.writing();
         return TrialOutcome{cost, tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
     };
-    const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs};
+    const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs, whole->settings.filter.reach()};
     const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
     if (!expected) return expected.error();
     const Cost cost = prepared + expected->cost;
