@@ -113,6 +113,10 @@ Status check_jpeg(std::ifstream& in) {
         if (marker == 1 || (*marker >= 0xD0 && *marker <= 0xD8)) continue;  // without a length
         std::array<char, 4> length{};
         if (!in.read(&length[2], 2)) return cut_off();
+        const bool is_frame = *marker >= 0xC0 && *marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+        if (const int bits = in.peek(); is_frame && (bits == 12 || bits == 16))
+            return Error{ErrorCode::kUnsupported,
+                         fmt::format("its samples have {} bits; convert it to a PNG or TIFF, or to a JPEG of 8", bits)};
         in.ignore(static_cast<std::streamsize>(std::max(big_endian(length.data()), 2u)) - 2);
     }
     std::vector<char> block(kBlock);

@@ -4,7 +4,8 @@ namespace latent::render {
 
 namespace {
 
-constexpr float kLift = 0.01f;  // a reflection that would go below the surface rises so much less than the path to it falls
+constexpr float kLift =
+    0.01f;  // above the surface: the height of a reflection that would go below it, so that its lobe is above, too
 
 }  // namespace
 
@@ -22,7 +23,7 @@ Frame Bsdf::turned_to(const Vec3f& w, bool reflection) const {
 
 Vec3f Bsdf::turned_to(const Vec3f& w, const Vec3f& normal, bool reflection) const {
     const Vec3f g = face_forward(ng_, w), s = face_forward(normal, g);
-    const float up = dot(g, w), t = kLift * up, cosine = dot(s, w), reflected = 2 * cosine * dot(s, g) - up;
+    const float up = dot(g, w), t = std::min(0.9f * up, kLift), cosine = dot(s, w), reflected = 2 * cosine * dot(s, g) - up;
     if (reflection ? reflected >= t : cosine > 0) return normal;
     const Vec3f n = w + normalize(s * (2 * cosine) - w + g * (t - reflected));
     const float squared = length_squared(n);

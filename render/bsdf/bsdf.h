@@ -84,8 +84,9 @@ class Bsdf {
 
  private:
     // The frame that a camera sees from w. With g = ng and s = ns on w's side, r = 2 (s.w) s - w the reflection of w, and
-    // t = kLift g.w: if r.g < t, ns becomes the normal that reflects w along r + (t - r.g) g, which is just above the surface
-    // [Keller17]. Of smooth glass, only `reflection` does: what it refracts keeps ns while s.w > 0, so that light subpaths find it.
+    // t = min(0.9 g.w, 0.01): if r.g < t, ns becomes the normal that reflects w along r + (t - r.g) g, which is just above the
+    // surface [Keller17]. Of smooth glass, only `reflection` does: what it refracts keeps ns while s.w > 0, so that light subpaths
+    // find it.
     Frame seen_from(const Vec3f& w, bool reflection) const { return tilted_ ? turned_to(w, reflection) : frame_; }
     Frame seen_from(const Vec3f& w) const { return seen_from(w, !delta_ || !transmits_); }
     Frame turned_to(const Vec3f& w, bool reflection) const;

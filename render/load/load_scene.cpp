@@ -32,14 +32,15 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
         return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(diagnostics.errors(), "\n"))};
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
-    const auto missing = [&](std::string_view what, const std::string& name, const std::vector<std::string>& all) {
-        return usage_error(fmt::format("--{0} {1}: {2} has no {0} of this name{3}", what, name, path.string(),
+    const auto missing = [&](std::string_view what, const std::string& name, std::string_view key,
+                             const std::vector<std::string>& all) {
+        return usage_error(fmt::format("--{0} {1}: {2} has no {0} of this {3}{4}", what, name, path.string(), key,
                                        all.empty() ? "" : fmt::format(" ({})", fmt::join(all, ", "))));
     };
-    if (!options.camera.empty() && !model->has_camera) return missing("camera", options.camera, model->cameras);
+    if (!options.camera.empty() && !model->has_camera) return missing("camera", options.camera, "name or number", model->cameras);
     if ((options.time || options.shutter) && !model->has_animation)
         return usage_error(fmt::format("--{}: {} has no animation", options.time ? "time" : "shutter", path.string()));
-    if (!options.variant.empty() && !model->has_variant) return missing("variant", options.variant, model->variants);
+    if (!options.variant.empty() && !model->has_variant) return missing("variant", options.variant, "name", model->variants);
     return model;
 }
 

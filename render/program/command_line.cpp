@@ -40,7 +40,7 @@ std::string no_scene(const std::filesystem::path& path) {
 
 // What glTF and OBJ files cannot say, or say more than once.
 void add_model_arguments(CLI::App& app, ModelOptions& model) {
-    app.add_option("--camera", model.camera, "camera of a glTF file, by its name or its node's (default: the first)")
+    app.add_option("--camera", model.camera, "camera of a glTF file, by its name, its node's name, or its number (default: 1)")
         ->type_name("NAME");
     app.add_option("--variant", model.variant, "variant of the materials of a glTF file, by its name")->type_name("NAME");
     app.add_option("--time", model.time, "moment of the first animation of a glTF file, in seconds (default: it rests)")

@@ -17,7 +17,7 @@
 namespace latent::render {
 
 // Raised by every change of the code that changes the value of a record: files of different epochs are different jobs.
-inline constexpr std::uint32_t kRenderEpoch = 11;
+inline constexpr std::uint32_t kRenderEpoch = 12;
 
 struct Resolution {
     std::uint32_t width, height;

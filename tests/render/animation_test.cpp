@@ -151,5 +151,27 @@ TEST_F(Animation, AShutterMovesWhatIsRigid) {
     EXPECT_THAT(still.warnings, ::testing::ElementsAre(HasSubstr("a surface that emits does not move while the shutter is open")));
 }
 
+// A node moves along x from 1 s to 3 s.
+TEST_F(Animation, WhatMovesIsInThePictureFromWhereTheShutterOpensToWhereItCloses) {
+    GltfFile file = model();
+    animate(file, "translation", {-20, 0, 0, 20, 0, 0}, "VEC3", "LINEAR");
+    const Result<LoadedScene> loaded = load_scene(folder_.write("a.glb", testing::as_glb(file)), false, color::RgbSpectra::kSmooth,
+                                                  {.shutter = std::array{0.0, 3.0}, .view = ModelView::kFront, .stage = false});
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    const SceneDescription scene = testing::in_world(loaded->description);
+    const Affined camera_from_world = scene.camera.world_from_camera.inverse().value();
+    const auto seen = [&](const Affined& m) { return camera_from_world.point(m.t); };
+    const auto across = [&](const Vec3d& p) { return p.x / p.z / scene.camera.x1; };
+    const InstanceDescription& moving = scene.instances.at(0);
+    ASSERT_TRUE(moving.end);
+    EXPECT_GT(length(moving.end->t - moving.world_from_object.t), 10);
+    for (const Affined& m : {moving.world_from_object, *moving.end}) {
+        EXPECT_GT(seen(m).z, 0);
+        EXPECT_LT(std::abs(across(seen(m))), 0.81);
+    }
+    EXPECT_LT(across(seen(moving.world_from_object)), -0.5);
+    EXPECT_GT(across(seen(*moving.end)), 0.5);
+}
+
 }  // namespace
 }  // namespace latent::render

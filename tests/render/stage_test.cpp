@@ -61,13 +61,26 @@ double radiance(const ImageDescription& image, const Vec3f& d) {
     return static_cast<double>(rgb[0]);
 }
 
-TEST_F(Stage, TheSkyIsEvenBelowAndBrightestInItsKeyLight) {
+TEST_F(Stage, TheSkyIsEvenWhereItIsSeenAndBrightestInItsKeyLight) {
     const LightDescription sky = load("m.obj", kTriangle).description.lights.at(0);
     ASSERT_TRUE(sky.image);
-    EXPECT_NEAR(radiance(*sky.image, {0, 1, 0}), 0.7, 0.002);
+    EXPECT_NEAR(radiance(*sky.image, {0, 1, 0}), 0.7 + 25 * std::exp(25 * (0.8 / std::sqrt(1.25) - 1)), 0.02);
     EXPECT_NEAR(radiance(*sky.image, {0, -1, 0}), 0.4, 1e-6);
-    EXPECT_NEAR(radiance(*sky.image, {1, -0.01f, 0}), 0.4, 1e-6);
-    EXPECT_NEAR(radiance(*sky.image, Vec3f(normalize(Vec3d(0.5, 0.8, 0.6)))), 60.61, 0.3);
+    EXPECT_NEAR(radiance(*sky.image, {1, -0.01f, 0}), 0.4, 1e-4);
+    EXPECT_NEAR(radiance(*sky.image, {0, -0.01f, -1}), 0.4, 1e-6);
+    EXPECT_NEAR(radiance(*sky.image, Vec3f(normalize(Vec3d(0.5, 0.8, 0.6)))),
+                25 + 0.4 - 0.32 * 0.36 / 1.25 + 0.24 / std::sqrt(1.25), 0.1);
+}
+
+// A chrome ball shows them: what is behind the camera is neither the grey of the background nor even.
+TEST_F(Stage, MirrorsSeeADarkHorizonAndTwoSoftBoxesBehindTheCamera) {
+    const LightDescription sky = load("m.obj", kTriangle).description.lights.at(0);
+    EXPECT_NEAR(radiance(*sky.image, {0, -0.01f, 1}), 0.08, 0.002);
+    const auto at = [&](double x, double y, double z) { return radiance(*sky.image, Vec3f(normalize(Vec3d(x, y, z)))); };
+    EXPECT_GT(at(-0.75, 0.5, 0.45), 2);
+    EXPECT_GT(at(0.95, 0.5, -0.2), 3);
+    EXPECT_LT(at(-0.95, 0.5, -0.2), 0.7);
+    EXPECT_LT(at(0, 0.3, 1), 0.4);
 }
 
 // So that nobody sees where the ground ends.
@@ -86,6 +99,7 @@ TEST_F(Stage, TheGroundIsAsBrightAsTheSkyBelowTheHorizon) {
     }
     const double reflectance = scene.materials.at(ground.material).spectra.at("reflectance").value(550);
     EXPECT_NEAR(reflectance * irradiance / std::numbers::pi, 0.4, 0.4 * 2e-3);
+    EXPECT_LT(reflectance, 0.5);
     // It is whole about the model and gone at its edge.
     const MeshDescription& mesh = *ground.mesh;
     EXPECT_EQ(mesh.colors.front()[3], 1);
@@ -136,8 +150,8 @@ TEST_F(Stage, AModelIsSeenAcrossFourFifthsOfThePictureFromEachSide) {
     }
 }
 
-TEST_F(Stage, CamerasAreChosenByName) {
-    const std::string glb = as_glb(with_cameras({"left", "right"}));
+TEST_F(Stage, CamerasAreChosenByNameOrNumber) {
+    const std::string glb = as_glb(with_cameras({"left", "right", "", "2"}));
     const auto z_of = [&](const std::string& name) {
         const LoadedScene scene = load("a.glb", glb, {.camera = name});
         return (scene.description.camera.world_from_camera.t + scene.description.origin).z;
@@ -146,9 +160,17 @@ TEST_F(Stage, CamerasAreChosenByName) {
     EXPECT_NEAR(z_of("left"), 1, 1e-12);
     EXPECT_NEAR(z_of("right"), 2, 1e-12);
     EXPECT_THAT(load("a.glb", glb, {.camera = "right"}).warnings, IsEmpty());
-    EXPECT_THAT(load("a.glb", glb).warnings, ElementsAre(HasSubstr("--camera NAME chooses another")));
-    EXPECT_THAT(try_load("a.glb", glb, {.camera = "top"}).error().message,
-                AllOf(HasSubstr("--camera top: "), HasSubstr("has no camera of this name (left, right)")));
+    EXPECT_NEAR(z_of("1"), 1, 1e-12);
+    EXPECT_NEAR(z_of("3"), 3, 1e-12);
+    EXPECT_NEAR(z_of("2"), 4, 1e-12);  // a name comes before a number
+    EXPECT_THAT(load("a.glb", glb, {.camera = "right"}).notes, IsEmpty());
+    EXPECT_THAT(load("a.glb", glb).notes,
+                ElementsAre(HasSubstr("/cameras: the first is used; --camera chooses another by number or name: "
+                                      "1 left, 2 right, 3, 4 2")));
+    for (const char* none : {"top", "0", "5", "+1", "1 "})
+        EXPECT_THAT(try_load("a.glb", glb, {.camera = none}).error().message,
+                    AllOf(HasSubstr(std::string("--camera ") + none + ": "),
+                          HasSubstr("has no camera of this name or number (1 left, 2 right, 3, 4 2)")));
     EXPECT_EQ(try_load("m.pbrt", "WorldBegin\nShape \"sphere\"\nLightSource \"infinite\"\n", {.camera = "a"}).error().code,
               ErrorCode::kUsage);
 }

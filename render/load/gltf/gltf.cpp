@@ -1,6 +1,7 @@
 #include "render/load/gltf/gltf.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -69,6 +70,7 @@ class GltfLoader {
             if (options_.shutter) last_poses_ = poses_at(document_, time + (*options_.shutter)[1]);
         }
         walk_nodes();
+        choose_camera();
         for (Placement& p : placements_) pose(p);
         // Meshes in the order of the nodes that place them; those that several nodes place become objects.
         for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
@@ -304,7 +306,8 @@ class GltfLoader {
                 place_mesh(node, index, *mesh, moving);
             }
         }
-        if (const auto camera = node["camera"].index(root()["cameras"])) visit_camera(node, root()["cameras"][*camera], moving);
+        if (const auto camera = node["camera"].index(root()["cameras"]))
+            cameras_.push_back({node, root()["cameras"][*camera], moving});
         const GltfValue lights = root().extension("KHR_lights_punctual")["lights"];
         if (const auto i = light.index(lights)) {
             if (moving.moves()) still(node, "a light");
@@ -356,17 +359,25 @@ class GltfLoader {
         return out;
     }
 
-    void visit_camera(const GltfValue& node, const GltfValue& camera, const Moving& moving) {
-        const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
-        const std::string of_node = name_of(node), of_camera = name_of(camera);
-        model_.cameras.push_back(of_node.empty() ? of_camera : of_node);
-        if (!options_.camera.empty() && of_node != options_.camera && of_camera != options_.camera) return;
-        if (model_.has_camera) {
-            if (options_.camera.empty())
-                node["camera"].warn_of_kind("camera",
-                                            "is ignored: the scene's first camera is used; --camera NAME chooses another");
-            return;
+    // By its name or its node's, else by its number in the scene, from 1.
+    void choose_camera() {
+        std::optional<std::size_t> chosen;
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
+            const std::string of_node = name_of(cameras_[i].node), of_camera = name_of(cameras_[i].camera);
+            model_.cameras.push_back(fmt::format("{} {}", i + 1, of_node.empty() ? of_camera : of_node));
+            if (of_camera.empty() && of_node.empty()) model_.cameras.back().pop_back();
+            if (!chosen && (options_.camera.empty() || of_node == options_.camera || of_camera == options_.camera)) chosen = i;
         }
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            if (!chosen && options_.camera == fmt::format("{}", i + 1)) chosen = i;
+        }
+        if (cameras_.size() > 1 && options_.camera.empty())
+            root()["cameras"].note(
+                fmt::format("the first is used; --camera chooses another by number or name: {}", fmt::join(model_.cameras, ", ")));
+        if (chosen) read_moving_camera(cameras_[*chosen].camera, cameras_[*chosen].moving);
+    }
+    void read_moving_camera(const GltfValue& camera, const Moving& moving) {
         if (moving.moves()) {
             read_camera(camera, moving.end, model_.scene);
             const Affined end = model_.scene.camera.world_from_camera;
@@ -516,6 +527,11 @@ class GltfLoader {
         FloatInput alpha = 1;
     };
 
+    struct PlacedCamera {
+        GltfValue node, camera;
+        Moving moving;
+    };
+
     const GltfDocument& document_;
     const ModelColors& colors_;
     const ModelOptions& options_;
@@ -527,6 +543,7 @@ class GltfLoader {
     std::vector<GltfNodePose> last_poses_;                 // where it closes; empty: it shows a moment
     std::vector<std::optional<Affined>> world_from_node_;  // of those in trees
     std::vector<Placement> placements_;
+    std::vector<PlacedCamera> cameras_;  // of the scene
     std::uint64_t vertices_ = 0;
 };
 

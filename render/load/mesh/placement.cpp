@@ -65,10 +65,7 @@ Box box_about(const std::vector<LoadedShape>& shapes, const std::vector<Box>& of
     Box world;
     for (const LoadedShape& shape : shapes) add(shape, world);
     for (const InstanceDescription& instance : instances) {
-        add(instance.world_from_object, of_object[instance.object], world);
-        if (!instance.end) continue;
-        const Motion motion(instance.world_from_object, *instance.end);
-        for (int i = 1; i <= 16; ++i) add(motion.at(i / 16.0), of_object[instance.object], world);
+        for (const Affined& map : moments_of(instance)) add(map, of_object[instance.object], world);
     }
     return world;
 }
@@ -95,6 +92,14 @@ void add_shape(LoadedShape shape, std::vector<LoadedShape>& shapes) {
     append(mesh.radii, more.radii);
     append(mesh.normals, more.normals);
     append(mesh.indices, more.indices);
+}
+
+std::vector<Affined> moments_of(const InstanceDescription& instance) {
+    std::vector<Affined> out = {instance.world_from_object};
+    if (!instance.end) return out;
+    const Motion motion(instance.world_from_object, *instance.end);
+    for (int i = 1; i <= 16; ++i) out.push_back(motion.at(i / 16.0));
+    return out;
 }
 
 Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector<LoadedShape>>& objects,

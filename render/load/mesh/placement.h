@@ -29,7 +29,10 @@ struct LoadedShape {
 // Adds `shape` to the list: tubes to the last shape, if that consists of tubes with the same surface, since hair has very many.
 void add_shape(LoadedShape shape, std::vector<LoadedShape>& shapes);
 
-// About all shapes of the world and all instances of objects.
+// From the object to the world: where it stands, or 17 moments of its motion.
+std::vector<Affined> moments_of(const InstanceDescription& instance);
+
+// About all shapes of the world and all instances of objects, wherever they move.
 Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector<LoadedShape>>& objects,
            const std::vector<InstanceDescription>& instances);
 

@@ -15,7 +15,7 @@ namespace latent::render {
 
 namespace {
 
-// The vertices of the world, and the corners of boxes about instances.
+// The vertices of the world, and the corners of boxes about instances, while they move.
 std::vector<Vec3d> points_of(const Model& model) {
     std::vector<Vec3d> points;
     for (const LoadedShape& shape : model.shapes)
@@ -28,10 +28,11 @@ std::vector<Vec3d> points_of(const Model& model) {
     }
     for (const InstanceDescription& instance : model.scene.instances) {
         const Box& box = boxes[instance.object];
+        const std::vector<Affined> moments = moments_of(instance);
         for (int corner = 0; corner < 8 && !box.is_empty(); ++corner) {
             const Vec3d p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                           corner & 4 ? box.high.z : box.low.z);
-            points.push_back(instance.world_from_object.point(p));
+            for (const Affined& map : moments) points.push_back(map.point(p));
         }
     }
     return points;

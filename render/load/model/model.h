@@ -17,7 +17,8 @@ struct Model {
     std::vector<LoadedShape> shapes{};                // of the world
     std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
     std::vector<double> radiances{};                  // of each of scene.area_lights, of glTF and OBJ: the largest component
-    std::vector<std::string> cameras{}, variants{};   // names of all in the scene
+    std::vector<std::string> cameras{};               // of all in the scene: number and name
+    std::vector<std::string> variants{};              // names
     bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
     bool has_animation = false;
     double sky_scale = 1;              // of a picture of the sky, so that it is in the unit of the lamps

@@ -13,7 +13,7 @@ namespace latent::render {
 enum class ModelView : std::uint8_t { kThreeQuarter, kFront, kTop };
 
 struct ModelOptions {
-    std::string camera{};                            // the name of a camera or of its node; empty: the first
+    std::string camera{};                            // the name of a camera or of its node, or its number from 1; empty: the first
     std::string variant{};                           // the name of a variant of the model's materials; empty: as they are
     std::optional<double> time{};                    // [s] of the model's first animation; nothing: the model rests
     std::optional<std::array<double, 2>> shutter{};  // opens and closes so many seconds after that; nothing: at once

@@ -15,21 +15,55 @@ namespace {
 constexpr double kHalfHeight = 0.36397;  // of the window: tan 20 degrees
 constexpr double kShare = 0.8;           // of the picture that the model takes
 
-// The sky.
-constexpr double kBelow = 0.4, kRise = 0.3, kKey = 60, kSharpness = 60;
-Vec3d key_light() { return normalize(Vec3d(0.5, 0.8, 0.6)); }
+constexpr float kBackground = 0.4f;   // of the sky where cameras of the stage look at it
+constexpr std::uint32_t kSide = 512;  // of its picture; 0.4 degrees: no step is seen
+
+// A rectangle of light around a direction, in the plane at distance 1 that it stands on. Its outer fifth fades.
+class SoftBox {
+ public:
+    SoftBox(const Vec3d& towards, double half_width, double half_height, float radiance)
+        : z_(normalize(towards)),
+          x_(normalize(cross(Vec3f(0, 1, 0), z_)) / static_cast<float>(half_width)),
+          y_(normalize(cross(z_, x_)) / static_cast<float>(half_height)),
+          radiance_(radiance) {}
+
+    float radiance(const Vec3f& d) const {
+        const float z = dot(d, z_);
+        return z > 0 ? radiance_ * within(dot(d, x_) / z) * within(dot(d, y_) / z) : 0;
+    }
+
+ private:
+    static float within(float x) {
+        const float t = std::clamp(5 * (1 - std::abs(x)), 0.0f, 1.0f);
+        return t * t * (3 - 2 * t);
+    }
+    Vec3f z_, x_, y_;
+    float radiance_;
+};
 
 float sky_radiance(const Vec3f& d) {
-    static const Vec3f key(key_light());
-    return static_cast<float>(kBelow) + static_cast<float>(kRise) * std::max(d.y, 0.0f) +
-           static_cast<float>(kKey) * exp_nonpositive(std::min(static_cast<float>(kSharpness) * (dot(d, key) - 1), 0.0f));
+    static const Vec3f key(normalize(Vec3d(0.5, 0.8, 0.6)));
+    static const SoftBox fill({-0.75, 0.5, 0.45}, 0.5, 0.55, 2), rim({0.95, 0.5, -0.2}, 0.15, 0.5, 3);
+    const float front = std::max(d.z, 0.0f);
+    return kBackground - 0.32f * front * front + 0.3f * std::max(d.y, 0.0f) +
+           25 * exp_nonpositive(std::min(25 * (dot(d, key) - 1), 0.0f)) + fill.radiance(d) + rim.radiance(d);
 }
 
-// From above, over that of `white`: pi b + 2 pi r / 3, and of a narrow light 2 pi K k.y (1/s - 1/s^2).
+// The directions of the sky's pixels.
+Vec3f sky_direction(std::uint32_t x, std::uint32_t y) {
+    return sphere_from_square({(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
+}
+
+// From above, over that of `white`.
 double irradiance_of_ground() {
-    constexpr double kPiD = std::numbers::pi;
-    return kPiD * kBelow + 2 * kPiD * kRise / 3 +
-           2 * kPiD * kKey * key_light().y * (1 / kSharpness - 1 / (kSharpness * kSharpness));
+    double sum = 0;
+    for (std::uint32_t y = 0; y < kSide; ++y) {
+        for (std::uint32_t x = 0; x < kSide; ++x) {
+            const Vec3f d = sky_direction(x, y);
+            if (d.y > 0) sum += static_cast<double>(d.y * sky_radiance(d));
+        }
+    }
+    return sum * 4 * std::numbers::pi / (kSide * kSide);
 }
 
 // A left-handed camera: x to the right in the picture where the world's is right-handed.
@@ -81,12 +115,10 @@ CameraDescription framing(std::span<const Vec3d> points, const FilmDescription& 
 }
 
 LightDescription studio_sky(const color::Spectrum& white, const ModelOptions& options) {
-    constexpr std::uint32_t kSide = 512;  // 0.4 degrees: no step is seen
     auto image = std::make_shared<ImageDescription>(ImageDescription{.width = kSide, .height = kSide});
     for (std::uint32_t y = 0; y < kSide; ++y) {
         for (std::uint32_t x = 0; x < kSide; ++x) {
-            const Vec3f d = sphere_from_square({(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
-            image->rgb.insert(image->rgb.end(), 3, sky_radiance(d));
+            image->rgb.insert(image->rgb.end(), 3, sky_radiance(sky_direction(x, y)));
         }
     }
     LightDescription sky;
@@ -129,7 +161,7 @@ LoadedShape studio_ground(const Box& box, const ModelOptions& options, SceneDesc
     ground.shape.material = static_cast<std::uint32_t>(scene.materials.size());
     ground.shape.alpha.texture = static_cast<std::uint32_t>(scene.textures.size());
     scene.textures.push_back(std::move(fading));
-    const double reflectance = std::numbers::pi * kBelow / irradiance_of_ground();
+    const double reflectance = std::numbers::pi * static_cast<double>(kBackground) / irradiance_of_ground();
     scene.materials.push_back({.spectra = {{"reflectance", color::Spectrum::constant(reflectance)}}});
     return ground;
 }

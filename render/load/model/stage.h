@@ -18,10 +18,12 @@ Affined world_from_stage(const ModelOptions& options);
 CameraDescription framing(std::span<const Vec3d> points, const FilmDescription& film, const ModelOptions& options);
 
 // A sky of this radiance, times that of `white`, in direction d of the stage:
-//   0.4 + 0.3 max(d.y, 0) + 60 exp(60 (d . k - 1)),  k = (0.5, 0.8, 0.6) / |(0.5, 0.8, 0.6)|
+//   0.4 - 0.32 max(d.z, 0)^2 + 0.3 max(d.y, 0) + 25 exp(25 (d . k - 1)),  k = (0.5, 0.8, 0.6) / |(0.5, 0.8, 0.6)|
+// plus that of two soft boxes, to the left and to the right. Cameras of the stage see 0.4 below the horizon; behind them it is
+// dark, so that mirrors show a gradient.
 LightDescription studio_sky(const color::Spectrum& white, const ModelOptions& options);
 
-// A disk below `box`, about eight times as wide, that fades towards its edge into the sky below the horizon: it has that radiance
+// A disk below `box`, about eight times as wide, that fades towards its edge into the sky below the horizon: it has its 0.4
 // wherever the sky shines on it unhindered. Its material and its fading are added to the scene.
 LoadedShape studio_ground(const Box& box, const ModelOptions& options, SceneDescription& scene);
 
