@@ -59,6 +59,7 @@ class LATENT_PT_job(LatentPanel, bpy.types.Panel):
         layout.use_property_split = True
         for name in ("folder", "seed", "portals", "keep_time", "render_options", "develop_options"):
             layout.prop(settings, name)
+        layout.operator("latent.clean")
 
 
 class LATENT_PT_lost(LatentPanel, bpy.types.Panel):

@@ -1,6 +1,8 @@
 """The camera and the film. Blender's camera looks along -z, pbrt's along +z with x to the right: one axis is mirrored."""
 import math
 
+import numpy as np
+
 from .pbrt import directive, matrix
 
 
@@ -33,9 +35,11 @@ def export(scene, owner, poses, shutter, report):
     left, right = min(c.x for c in frame), max(c.x for c in frame)
     low, high = min(c.y for c in frame), max(c.y for c in frame)
     if data.type == "PANO":
-        kind = getattr(data, "panorama_type", None) or data.cycles.panorama_type
-        if kind != "EQUIRECTANGULAR":
-            report.lost(f"camera {owner.name}", f"panorama {kind.lower()} is equirectangular")
+        panorama = data if hasattr(data, "panorama_type") else data.cycles
+        if panorama.panorama_type != "EQUIRECTANGULAR":
+            report.lost(f"camera {owner.name}", f"panorama {panorama.panorama_type.lower()} is equirectangular, the only one")
+        elif panorama.longitude_max - panorama.longitude_min < 6.28 or panorama.latitude_max - panorama.latitude_min < 3.14:
+            report.lost(f"camera {owner.name}", "its panorama goes all around, whatever its latitudes and longitudes")
         return [*lines, directive("Camera", "spherical", **{"string mapping": "equirectangular", **parameters})]
     if data.type == "ORTHO":
         scale = 1.0
@@ -55,6 +59,17 @@ def export(scene, owner, poses, shutter, report):
     if data.clip_start > 0.5 * max(data.dof.focus_distance, 0.2) and data.type != "ORTHO":
         report.lost(f"camera {owner.name}", "clipping is ignored")
     return [*lines, directive("Camera", kind, **parameters)]
+
+
+def depth_per_distance(scene):
+    """Latent's depth is a distance from the camera, Blender's lies along its axis: (height, width) factors."""
+    data, (width, height) = scene.camera.data, size(scene)
+    if data.type != "PERSP":
+        return np.float32(1)
+    frame = [corner / -corner.z for corner in data.view_frame(scene=scene)]
+    x, y = ([min(corner[i] for corner in frame) + (np.arange(count) + 0.5) / count * (max(corner[i] for corner in frame) - min(corner[i] for corner in frame))
+             for i, count in ((0, width), (1, height))])
+    return (1 / np.sqrt(1 + x**2 + y[::-1, None] ** 2)).astype(np.float32)
 
 
 def sees(scene, owner, center, radius):

@@ -17,6 +17,9 @@ def export(world, files, portals, report, bake):
         return []
     lost = lambda what: report.lost(f"world {world.name}", what)  # noqa: E731
     common = {"string name": "World"}
+    hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
+    if hidden:
+        lost(f"is there for all rays, and not hidden from those of {', '.join(hidden)}")
     if not world.node_tree or not getattr(world, "use_nodes", True):
         return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals, common)
     graph = Graph(world.node_tree, lost)
