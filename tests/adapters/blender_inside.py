@@ -1,7 +1,9 @@
 """Run by blender_test.py inside Blender: ZIP FOLDER SOURCES. Installs the add-on from the zip into a fresh profile, and renders with it."""
+import functools
 import importlib
 import pathlib
 import sys
+import types
 
 import bpy
 import numpy as np
@@ -216,7 +218,8 @@ class Context:
 engine.last.update(lost=["material floor: something"], wanted=[("floor", "node", "Color")])
 for panel in panels.CLASSES:
     layout = Layout()
-    holder = type("Holder", (), {"layout": layout})()
+    holder = types.SimpleNamespace(layout=layout, FIELDS=panel.FIELDS, settings=panel.settings)
+    holder.more = functools.partial(panel.more, holder)
     panel.draw(holder, Context)
     check(f"panel {panel.bl_label} shows what there is", panel.poll(Context) and layout.count > 0, layout.count)
 

@@ -90,7 +90,6 @@ class Lamp:
         hidden = {} if visible else {"float alpha": 0.0}
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more), shape(hidden)]
 
-
     def by_direction(self, pose, share=1.0):
         """A lamp with a profile. `share`: another factor, by row."""
         if self.lamp.shadow_soft_size > 1e-6:

@@ -3,7 +3,7 @@ import math
 from dataclasses import dataclass, field
 
 from . import spectra
-from .nodes import BLACK, WHITE, Constant, Graph, Picture, Unknown, constant, each, is_constant, mix, parameter, product
+from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, each, is_constant, mix, parameter, product
 from .pictures import Places
 
 
@@ -27,7 +27,6 @@ class Exported:
     emits: bool
     alpha: dict
     places: Places
-    key: str
 
 
 MATT_BLACK = ("diffuse", {"rgb reflectance": [0.0, 0.0, 0.0]})
@@ -82,8 +81,7 @@ class Reader:
             return self.set("displacement", "float", product(height, constant(depth)))
         if node.type == "NORMAL_MAP":
             value = self.graph.of(node, "Color")
-            plain = isinstance(value, Picture) and not any("uscale vscale udelta vdelta".find(key.split()[1]) >= 0 for key in value.parameters)
-            if node.space != "TANGENT" or not plain:
+            if node.space != "TANGENT" or not isinstance(value, Picture) or value.is_moved:
                 self.graph.lost("a normal map that is not a tangent-space picture of the first UV map is left out")
                 return {}
             if abs(self.number(node, "Strength") - 1) > 1e-3:
@@ -297,7 +295,7 @@ PRINCIPLED = [
 ]
 
 
-def fresnel_pair(reader, node, first, second):
+def fresnel_pair(reader, node):
     """Diffuse below gloss, mixed by Fresnel: how plastic was made before the Principled BSDF."""
     found = reader.graph.source(node.inputs[0])
     kinds = [reader.graph.source(socket) for socket in node.inputs[1:3]]
@@ -312,7 +310,7 @@ def fresnel_pair(reader, node, first, second):
 
 def mixed(reader, node):
     around = reader.graph.groups
-    plastic = fresnel_pair(reader, node, *node.inputs[1:3])
+    plastic = fresnel_pair(reader, node)
     reader.graph.groups = around
     if plastic:
         return plastic
@@ -323,10 +321,10 @@ def mixed(reader, node):
             return second if amount.number() else first
     rest = each(lambda c: 1 - c, amount) if is_constant(amount) else mix(WHITE, BLACK, amount)
     if second.is_clear:
-        return Surface(first.material, weighted(reader, first.emission, constant(1)), product(first.alpha, rest))
+        return Surface(first.material, weighted(first.emission, constant(1)), product(first.alpha, rest))
     if first.is_clear:
-        return Surface(second.material, weighted(reader, second.emission, constant(1)), product(second.alpha, amount))
-    emitted = weighted(reader, first.emission, rest) + weighted(reader, second.emission, amount)
+        return Surface(second.material, weighted(second.emission, constant(1)), product(second.alpha, amount))
+    emitted = weighted(first.emission, rest) + weighted(second.emission, amount)
     alpha = mix(first.alpha, second.alpha, amount) if not is_constant(first.alpha, second.alpha) or first.alpha != second.alpha else first.alpha
     if not first.material and not second.material:
         return Surface(None, emitted, alpha)
@@ -334,7 +332,7 @@ def mixed(reader, node):
     return Surface(("mix", {"string materials": [reader.named(first.material), reader.named(second.material)], **share}), emitted, alpha)
 
 
-def weighted(reader, emission, amount):
+def weighted(emission, amount):
     return [(color, product(strength, amount)) for color, strength in emission]
 
 
@@ -390,8 +388,8 @@ def export(document, material, report, files, light_name):
     if material is None or not (getattr(material, "use_nodes", True) and material.node_tree):
         color = list(material.diffuse_color)[:3] if material else [0.8, 0.8, 0.8]
         name = document.material("diffuse", {"rgb reflectance": color})
-        return Exported([f'NamedMaterial "{name}"'], False, {}, Places(Unknown), name)
-    places = Places(Unknown)
+        return Exported([f'NamedMaterial "{name}"'], False, {}, Places())
+    places = Places()
     graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files, material)
     reader = Reader(document, graph, material.latent)
     output = active_output(material.node_tree)
@@ -404,7 +402,6 @@ def export(document, material, report, files, light_name):
         lines.append(f'MediumInterface "{medium}" ""')
     only_volume = bool(medium) and output and not output.inputs["Surface"].is_linked
     if only_volume or surface.is_clear:
-        name = "interface"
         lines.append('Material "interface"')
     else:
         kind, parameters = surface.material or MATT_BLACK
@@ -417,7 +414,7 @@ def export(document, material, report, files, light_name):
         graph.lost("of several emissions, only the first remains")
     lines += lamps[:1]
     alpha = {} if is_constant(surface.alpha) and surface.alpha.number() == 1 or surface.is_clear else parameter(document, "alpha", "float", surface.alpha)
-    return Exported(lines, bool(lamps), alpha, places, "|".join(lines))
+    return Exported(lines, bool(lamps), alpha, places)
 
 
 def area_light(document, graph, color, strength, name):
@@ -429,7 +426,7 @@ def area_light(document, graph, color, strength, name):
         strength = WHITE
     scale = strength.number()
     common = {"bool twosided": True, "string name": name}
-    if isinstance(color, Picture) and not any("uscale vscale udelta vdelta".find(key.split()[1]) >= 0 for key in color.parameters):
+    if isinstance(color, Picture) and not color.is_moved:
         return directive("AreaLightSource", "diffuse", **{"string filename": color.parameters["string filename"], "float scale": scale, **common})
     if not is_constant(color):
         graph.lost("the texture of an emission is white")

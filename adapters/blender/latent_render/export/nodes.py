@@ -2,8 +2,8 @@
 import math
 from dataclasses import dataclass
 
-from . import pictures
-
+from .pictures import Picture, picture
+from .report import Unknown
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
@@ -15,12 +15,6 @@ class Constant:
     def number(self):
         """A colour as a number, as Blender has it: its luminance."""
         return self.rgb[0] if len(set(self.rgb)) == 1 else sum(c * w for c, w in zip(self.rgb, LUMINANCE))
-
-
-@dataclass
-class Picture:
-    parameters: dict  # of imagemap
-    of_color: bool = True
 
 
 @dataclass
@@ -78,10 +72,6 @@ def define(document, kind, value):
     for name, inner in value.inputs.items():
         inputs |= parameter(document, name, kind, inner)
     return document.texture(kind, value.kind, {**value.parameters, **inputs})
-
-
-class Unknown(Exception):
-    """A node that Latent cannot say."""
 
 
 class Graph:
@@ -150,7 +140,7 @@ class Graph:
                 raise Unknown(f"node {node.bl_label}")
             return read(self, node, output)
         except Unknown as unknown:
-            baked = self.files and self.files.baked(self, node, output, Picture)
+            baked = self.files and self.files.baked(self, node, output)
             if baked:
                 return baked
             self.lost(f"{unknown} is replaced by a constant")
@@ -199,13 +189,10 @@ def product(first, second):
     if is_constant(first):
         first, second = second, first
     if is_constant(second) and len(set(second.rgb)) > 1:
-        return Mix(BLACK, second, first) if isinstance(first, Picture) and not first.of_color else tinted(first, second)
+        if not isinstance(first, Picture) or first.of_color:  # pbrt scales by numbers alone
+            raise Unknown("a colour times a picture")
+        return Mix(BLACK, second, first)
     return Scaled(first, second)
-
-
-def tinted(value, color):
-    """A coloured texture times a colour. pbrt scales by numbers alone."""
-    raise Unknown("a colour times a picture")
 
 
 BLENDS = {
@@ -342,10 +329,6 @@ def checker(graph, node, output):
     return Pattern("checkerboard", mapping, {"tex1": second, "tex2": first})
 
 
-def image(graph, node, output):
-    return pictures.picture(graph, node, output, Picture, Unknown)
-
-
 def vertex_color(graph, node, output):
     graph.places.need_color(node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name)
     return Pattern("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {}, {})
@@ -392,7 +375,7 @@ VALUES = {
     "RGBTOBW": lambda graph, node, output: graph.of(node, "Color"),
     "BLACKBODY": blackbody,
     "TEX_CHECKER": checker,
-    "TEX_IMAGE": image,
+    "TEX_IMAGE": picture,
     "VERTEX_COLOR": vertex_color,
     "ATTRIBUTE": attribute,
     "FRESNEL": fresnel,

@@ -11,3 +11,7 @@ class Report:
 
     def text(self):
         return list(self.lines)
+
+
+class Unknown(Exception):
+    """A node that Latent cannot say."""

@@ -4,8 +4,9 @@ import os
 import shutil
 import subprocess
 
-from .nodes import Graph, Unknown, is_constant
+from .nodes import Graph, is_constant
 from .pbrt import directive, matrix
+from .report import Unknown
 
 CONVERTER = "nanovdb_convert"  # of Debian's libnanovdb-tools
 
