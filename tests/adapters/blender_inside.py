@@ -118,7 +118,7 @@ render()
 said = " ".join(engine.last["lost"])
 both = [picture(str(folder / f"picture_{side}.png")) for side in "LR"]
 check("both views have the picture", both[0].mean() > 0 and np.array_equal(*both), [view.mean() for view in both])
-check("hidden rays, holdouts and stereoscopy are listed", all(word in said for word in ("those of shadow", "holdout", "stereoscopy")), said)
+check("hidden rays, holdouts and stereoscopy are listed", all(word in said for word in ("visible to shadow rays", "holdout", "stereoscopy")), said)
 plane.visible_shadow, plane.is_holdout, scene.render.use_multiview = True, False, False
 image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR", "32", "NONE"
 layer.material_override = bpy.data.materials.new("override")

@@ -196,7 +196,7 @@ class LATENT_OT_clean(Operator, bpy.types.Operator):
 
     def draw(self, context):
         files = job.old(engine.folder_of(context.scene))
-        self.layout.label(text=f"{len(files)} files, {sum(map(os.path.getsize, files)) / 2**20:.1f} MiB, cannot be brought back", icon="TRASH")
+        self.layout.label(text=f"{sum(map(os.path.getsize, files)) / 2**20:.1f} MiB of samples; this cannot be undone", icon="TRASH")
 
     def run(self, context):
         for path in job.old(engine.folder_of(context.scene)):

@@ -15,16 +15,10 @@ from . import develop, exr, tools
 
 def options(settings, aperture, moves):
     """Arguments of latent-render that make another job if they change."""
-    words = ["--record", settings.record.lower(), "--seed", str(settings.seed)]
-    if settings.light_groups != "NONE":
-        words.append("--light-groups")
     aovs = [name.lower() for name in ("ALBEDO", "NORMAL", "DEPTH", "POSITION") if name in settings.layers]
-    aovs += ["lens"] if aperture else []
-    if settings.keep_time and moves:
-        aovs.append("time")
-    if aovs:
-        words += ["--aov", ",".join(aovs)]
-    return words + settings.render_options.split()
+    aovs += (["lens"] if aperture else []) + (["time"] if settings.keep_time and moves else [])
+    words = ["--record", settings.record.lower(), "--seed", str(settings.seed)] + (["--light-groups"] if settings.light_groups != "NONE" else [])
+    return words + (["--aov", ",".join(aovs)] if aovs else []) + settings.render_options.split()
 
 
 class Job:

@@ -1,4 +1,6 @@
 """Panels, and those of Blender that apply to this engine, too."""
+import textwrap
+
 import bpy
 
 from . import engine
@@ -17,8 +19,15 @@ def shared_panels():
             yield panel
 
 
+def wrapped(layout, text, icon):
+    """A text in as many lines as the panel needs."""
+    column, size = layout.column(align=True), 6.5 * bpy.context.preferences.system.ui_scale  # pixels of a letter
+    for number, line in enumerate(textwrap.wrap(text, max(16, int(bpy.context.region.width / size) - 8) if bpy.context.region else 80)):
+        column.label(text=line, icon="BLANK1" if number else icon)
+
+
 class LatentPanel:
-    """Shows the properties in FIELDS of what `settings` returns; subclasses add to it."""
+    """Shows the properties in FIELDS of what `settings` returns, if there is such a thing; subclasses add to it."""
 
     bl_space_type, bl_region_type, bl_context = "PROPERTIES", "WINDOW", "render"
     COMPAT_ENGINES, FIELDS = {"LATENT"}, ()
@@ -26,7 +35,7 @@ class LatentPanel:
 
     @classmethod
     def poll(cls, context):
-        return context.engine == "LATENT"
+        return context.engine == "LATENT" and bool(cls.settings(context))
 
     def draw(self, context):
         self.layout.use_property_split = True
@@ -43,7 +52,7 @@ class LATENT_PT_samples(LatentPanel, bpy.types.Panel):
 
     def more(self, layout, _):
         if engine.last["word"]:
-            layout.label(text=engine.last["word"], icon="INFO")
+            wrapped(layout, engine.last["word"], "INFO")
 
 
 class LATENT_PT_motion(LatentPanel, bpy.types.Panel):
@@ -66,15 +75,11 @@ class LATENT_PT_job(LatentPanel, bpy.types.Panel):
 
 
 class LATENT_PT_lost(LatentPanel, bpy.types.Panel):
-    bl_label = "Not exported"
+    bl_label, settings = "Not exported", staticmethod(lambda _: engine.last["lost"])
 
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and bool(engine.last["lost"])
-
-    def more(self, layout, _):
-        for line in engine.last["lost"]:
-            layout.label(text=line, icon="ERROR")
+    def more(self, layout, context):
+        for line in self.settings(context):
+            wrapped(layout, line, "ERROR")
         if engine.last["wanted"]:
             layout.operator("latent.bake")
 
@@ -104,28 +109,17 @@ class LATENT_PT_farm(LatentPanel, bpy.types.Panel):
 
 
 class LATENT_PT_passes(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Passes", "view_layer"
-
-    def draw(self, context):
-        self.layout.column().prop(context.scene.latent, "layers")
+    bl_label, bl_context, FIELDS = "Passes", "view_layer", ("layers",)
 
 
 class LATENT_PT_material(LatentPanel, bpy.types.Panel):
     bl_label, bl_context, FIELDS = "Spectra", "material", ("metal", "glass", "abbe", "reflectance")
-    settings = staticmethod(lambda context: context.material.latent)
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and context.material is not None
+    settings = staticmethod(lambda context: context.material and context.material.latent)
 
 
 class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
     bl_label, bl_context, FIELDS = "Spectrum", "data", ("spectrum",)
-    settings = staticmethod(lambda context: context.light.latent)
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and context.light is not None
+    settings = staticmethod(lambda context: context.light and context.light.latent)
 
     def more(self, layout, context):
         if self.settings(context).spectrum in ("DAYLIGHT", "BLACKBODY"):

@@ -60,11 +60,9 @@ class Files:
                     self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
             return disk
         if image.name_full not in self.known:
-            self.known[image.name_full] = self.packed(image) if image.packed_file and not image.is_dirty else self.drawn(image)
+            packed = image.packed_file and not image.is_dirty
+            self.known[image.name_full] = self.written(bytes(image.packed_file.data), EXTENSIONS.get(image.file_format, ".png")) if packed else self.drawn(image)
         return self.known[image.name_full]
-
-    def packed(self, image):
-        return self.written(bytes(image.packed_file.data), EXTENSIONS.get(image.file_format, ".png"))
 
     def written(self, data, extension):
         """The path of a file with this content."""

@@ -11,7 +11,7 @@ from .pbrt import Document, directive, matrix
 from .pictures import Files
 from .report import Report
 
-MESHES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+MESHES = ("MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES")
 RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
 
@@ -93,7 +93,7 @@ class Exporter:
         for picture, content in sorted(self.files.contents.items()):
             self.part(f"picture {os.path.basename(picture)}", [content])
             digest.update(content.encode())
-        return Exported(path, digest, self.parts, self.report.text(), self.files.wanted, camera.blades(view.data), bool(closed))
+        return Exported(path, digest, self.parts, list(self.report.lines), self.files.wanted, camera.blades(view.data), bool(closed))
 
     def part(self, name, lines):
         self.parts[name] = hashlib.blake2b("\n".join(lines).encode(), digest_size=8).hexdigest()
@@ -130,15 +130,13 @@ class Exporter:
                 self.lamps.append((owner.original, pose, lamps.group(self.settings, owner.original)))
                 if closed and closed.get(self.key(instance)) not in (None, opened.get(self.key(instance))):
                     self.report.lost(f"lamp {owner.name}", "its motion is left out")
-        elif owner.type in MESHES or owner.type in ("CURVES", "VOLUME", "POINTCLOUD"):
-            if owner.type == "POINTCLOUD":
-                self.report.lost(f"object {owner.name}", "a point cloud is left out")
-                return
-            if owner.type == "VOLUME":
-                lines = volumes.voxels(owner, instance.matrix_world, os.path.join(self.folder, "volumes"), self.report)
-                self.part(f"object {owner.name}", lines)
-                self.document.body += lines
-                return
+        elif owner.type == "POINTCLOUD":
+            self.report.lost(f"object {owner.name}", "a point cloud is left out")
+        elif owner.type == "VOLUME":
+            lines = volumes.voxels(owner, instance.matrix_world, os.path.join(self.folder, "volumes"), self.report)
+            self.part(f"object {owner.name}", lines)
+            self.document.body += lines
+        elif owner.type in MESHES:
             if instance.show_self:
                 self.add_shape(instance, owner, opened, closed)
             if instance.show_particles and not instance.is_instance:
@@ -147,12 +145,14 @@ class Exporter:
     def look_at(self, owner):
         """What Latent cannot say of an object as such. Lamps are hidden from cameras unless the user wills it; the panel Spectrum says more."""
         layer, is_lamp = self.depsgraph.view_layer, owner.type == "LIGHT"
+        linking = getattr(owner, "light_linking", None)
         hidden = [ray.replace("_", " ") for ray in RAYS if not getattr(owner, f"visible_{ray}") and not (is_lamp and ray == "camera")]
-        for holds, what in ((hidden, f"is there for all rays, and not hidden from those of {', '.join(hidden)}"),
+        for holds, what in ((hidden, f"stays visible to {', '.join(hidden)} rays"),
                             (not is_lamp and owner.is_shadow_catcher, "a shadow catcher is an ordinary surface"),
                             (owner.holdout_get(view_layer=layer), "a holdout is an ordinary surface"),
-                            (owner.indirect_only_get(view_layer=layer), "is seen by the camera, and not by indirect light only")):
-            if holds and owner.type in (*MESHES, "CURVES", "VOLUME", "LIGHT"):
+                            (linking and (linking.receiver_collection or linking.blocker_collection), "light linking is left out"),
+                            (owner.indirect_only_get(view_layer=layer), "stays visible to the camera, not to indirect light alone")):
+            if holds and owner.type in (*MESHES, "VOLUME", "LIGHT"):
                 self.report.lost(f"{'lamp' if is_lamp else 'object'} {owner.name}", what)
 
     def add_shape(self, instance, owner, opened, closed):

@@ -18,11 +18,11 @@ def export(world, files, portals, report, bake):
     common = {"string name": "World"}
     hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
     if hidden:
-        lost(f"is there for all rays, and not hidden from those of {', '.join(hidden)}")
+        lost(f"stays visible to {', '.join(hidden)} rays")
     if not world.node_tree or not getattr(world, "use_nodes", True):
         return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals, common)
     graph = Graph(world.node_tree, lost)
-    output = next((node for node in world.node_tree.nodes if node.type == "OUTPUT_WORLD" and node.is_active_output), None)
+    output = graph.output("OUTPUT_WORLD")
     if output is None:
         return []
     if output.inputs["Volume"].is_linked:
