@@ -152,12 +152,20 @@ check("and mixes them without a render", np.allclose(values, 2 * 2 * 0.5 * np.ar
 mix["Sun"].factor, mix["World"].factor = 0.5, 0
 shown.pixels.foreach_get(pixels := np.empty(len(shown.pixels), np.float32))
 check("a factor shows as it is moved", np.allclose(pixels.reshape(30, 40, 4)[..., :3].mean((0, 1)), 2 * 0.5 * 0.5 * 2 / np.pi, rtol=5e-3), pixels[:4])
-mix["Sun"].factor, mix["World"].factor = 0, 2
+mix["Sun"].factor, mix["World"].factor = 1, 1
+mix["Sun"].mute = True
+check("a light is muted", settings.darkroom.factors() == {"Sun": 0, "World": 1}, settings.darkroom.factors())
+mix["Sun"].mute, mix["World"].solo = False, True
+check("others are where one is solo", settings.darkroom.factors() == {"Sun": 0, "World": 1}, settings.darkroom.factors())
+mix["World"].factor = 2
 settings.darkroom.noise = "DENOISE"
 bpy.ops.latent.develop()
 shown.pixels.foreach_get(pixels)
 check("where lights do not add up, it develops again", np.allclose(pixels.reshape(30, 40, 4)[..., :3].mean((0, 1)), values, rtol=5e-3), pixels[:4])
-settings.darkroom.noise = "KEEP"
+settings.darkroom.noise, mix["World"].solo, mix["Sun"].factor = "KEEP", False, 0
+darkroom = importlib.import_module("latent_render.darkroom")
+offered = darkroom.listed("latent-develop", "film", "--list-films")(None, bpy.context, "")
+check("films are offered by name, with what they are", dict(offered)["portra-400"].startswith("Kodak"), offered[:3])
 settings.darkroom.film = "portra-400"
 bpy.ops.latent.develop()
 check("and prints on film", tuple(bpy.data.images["Latent Darkroom"].size) == (40, 30))

@@ -6,7 +6,7 @@ import webbrowser
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
 from . import develop, engine, job, tools
 
@@ -25,8 +25,14 @@ def listed(name, kind, option):
     return search
 
 
+def follow(_, context):
+    show_mix(context)
+
+
 class LightMix(bpy.types.PropertyGroup):
-    factor: FloatProperty(name="Factor", default=1, min=0, soft_max=10, update=lambda _, context: show_mix(context))
+    factor: FloatProperty(name="Factor", default=1, min=0, soft_max=10, update=follow)
+    mute: BoolProperty(name="Mute", description="Without this light", update=follow)
+    solo: BoolProperty(name="Solo", description="This light alone, and others that are solo", update=follow)
     change: StringProperty(name="Spectrum", description="A filter or another spectrum of the same luminance, such as 6500K, D65, F11 or wratten-80a",
                            search=listed("latent-develop", "lens-filter", "--list-observers"))
 
@@ -36,7 +42,7 @@ class DarkroomSettings(bpy.types.PropertyGroup):
                              search=listed("latent-develop", "observer", "--list-observers"))
     film: StringProperty(name="Film", description="Instead of an observer; empty: none", search=listed("latent-develop", "film", "--list-films"))
     paper: StringProperty(name="Paper", description="What a negative film is printed on", default="endura", search=listed("latent-convert", "paper", "--list-papers"))
-    stops: FloatProperty(name="Exposure", description="Stops", default=0, soft_min=-5, soft_max=5, update=lambda _, context: show_mix(context))
+    stops: FloatProperty(name="Exposure", description="Stops", default=0, soft_min=-5, soft_max=5, update=follow)
     noise: EnumProperty(name="Noise", items=[("KEEP", "Keep", ""), ("FIREFLIES", "Dim fireflies", ""), ("DENOISE", "Denoise", "")])
     aperture: FloatProperty(name="Aperture", description="Share of the radius of the rendered lens; needs depth of field with blades, or --aov lens", default=1, min=0.01, max=1)
     shutter: FloatProperty(name="Shutter", description="Share of the rendered exposure; needs Keep the time", default=1, min=0.01, max=1)
@@ -52,6 +58,10 @@ class DarkroomSettings(bpy.types.PropertyGroup):
         """Whether a light mix is a sum of the pictures of the lights."""
         return not self.printed and self.noise == "KEEP"
 
+    def factors(self):
+        solo = any(light.solo for light in self.mix)
+        return {light.name: 0.0 if light.mute or solo and not light.solo else light.factor for light in self.mix}
+
     def options(self, scene, aperture):
         """Arguments of latent-develop. Factors are left for later where the pictures of the lights need only be added up."""
         parts = ([f"{self.aperture:.6g}"] if self.aperture < 1 else []) + ([aperture] if aperture else [])
@@ -59,8 +69,8 @@ class DarkroomSettings(bpy.types.PropertyGroup):
         words += ["--film", self.film] if self.film else ["--observer", self.observer] if self.observer != "cie1931" else []
         words += {"KEEP": [], "FIREFLIES": ["--dim-fireflies"], "DENOISE": ["--denoise"]}[self.noise]
         words += ["--shutter", f"0:{self.shutter:.6g}"] if self.shutter < 1 else []
-        for light in self.mix:
-            changes = ([light.change] if light.change else []) + ([f"{light.factor:.6g}"] if light.factor != 1 and not self.adds_up else [])
+        for light, factor in zip(self.mix, self.factors().values()):
+            changes = ([light.change] if light.change else []) + ([f"{factor:.6g}"] if factor != 1 and not self.adds_up else [])
             words += ["--light", f"{light.name}={','.join(changes)}"] if changes else []
         return words
 
@@ -78,7 +88,7 @@ def picture(context, program=None):
     settings, last = context.scene.latent.darkroom, job_of(context)
     layers = ["lights"] if settings.adds_up and last.has_lights else []
     channels, path = last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
-    return develop.mixed(channels, {light.name: light.factor for light in settings.mix} if layers else {}), path
+    return develop.mixed(channels, settings.factors() if layers else {}), path
 
 
 def show(settings, channels):

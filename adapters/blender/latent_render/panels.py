@@ -92,7 +92,9 @@ class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
         for light in self.settings(context).mix:
             row = layout.row(align=True)
             row.prop(light, "factor", text=light.name)
-            row.prop(light, "change", text="")
+            row.prop(light, "mute", text="", icon="HIDE_ON" if light.mute else "HIDE_OFF")
+            row.prop(light, "solo", text="", icon="SOLO_ON" if light.solo else "SOLO_OFF")
+            layout.prop(light, "change")
         row = layout.row()
         row.operator("latent.light_mix")
         row.operator("latent.develop")
