@@ -75,8 +75,9 @@ def develop_layers(*paths: Path, **options: Any) -> dict[str, np.ndarray]:
     """The channels of a picture by their names in latent-develop's EXR, float32 (height, width) each: "R", "G", "B" (which hold X, Y,
     Z) or spectral bins, and those of two more options:
 
-    layers: of "variance", "weight" and "count"; and of "albedo", "normal", "depth", "position" and "id", if the scene was rendered with
-    --aov, and names of other columns. halves: the picture of each half of the samples, too. Other options: see `develop`.
+    layers: of "variance", "weight" and "count"; "lights", if the scene was rendered with --light-groups; "albedo", "normal", "depth",
+    "position" and "id", if it was with --aov; and names of other columns. halves: the picture of each half of the samples, too. Other
+    options: see `develop`.
     """
     pixels, names = _develop(paths, **options)
     return {name: pixels[:, :, i] for i, name in enumerate(names)}

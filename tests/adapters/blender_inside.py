@@ -1,7 +1,9 @@
 """Run by blender_test.py inside Blender: ZIP FOLDER SOURCES. Installs the add-on from the zip into a fresh profile, and renders with it."""
+import functools
 import importlib
 import pathlib
 import sys
+import types
 
 import bpy
 import numpy as np
@@ -56,8 +58,8 @@ world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.4, 0
 world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.5
 
 
-def picture():
-    loaded = bpy.data.images.load(scene.render.filepath, check_existing=False)
+def picture(path=scene.render.filepath):
+    loaded = bpy.data.images.load(path, check_existing=False)
     values = np.empty(len(loaded.pixels), np.float32)
     loaded.pixels.foreach_get(values)
     channels = loaded.channels
@@ -82,6 +84,9 @@ check("the light on a floor is that of Blender's units", np.allclose(picture().m
 check("the first render is a new job", word == "new job", word)
 check("its samples are there", count() == 16 * 1200, count())
 check("nothing was lost", engine.last["lost"] == [], engine.last["lost"])
+depth = engine.job.Job(str(folder / "job"), "Scene-0001").develop(None, "", [], ["depth"])[0]["Z"] * engine.camera.depth_per_distance(scene)
+# Within half a pixel: at the border, the mean is not that of the middle.
+check("the depth of a floor is its distance along the axis", depth.shape == (30, 40) and np.allclose(depth, 5, rtol=3e-3), depth.min(), depth.max())
 first = engine.last["samples"]
 check("the same scene renders nothing again", "same job" in render() and engine.last["samples"] == first)
 settings.samples = 24
@@ -107,6 +112,21 @@ check("and resumes", pathlib.Path(part).exists() and engine.last["samples"] == p
 settings.seed = 0
 
 # What Latent cannot say is listed.
+plane, layer = bpy.data.objects["Plane"], bpy.context.view_layer
+plane.visible_shadow, plane.is_holdout, scene.render.use_multiview, image.file_format = False, True, True, "PNG"
+render()
+said = " ".join(engine.last["lost"])
+both = [picture(str(folder / f"picture_{side}.png")) for side in "LR"]
+check("both views have the picture", both[0].mean() > 0 and np.array_equal(*both), [view.mean() for view in both])
+check("hidden rays, holdouts and stereoscopy are listed", all(word in said for word in ("visible to shadow rays", "holdout", "stereoscopy")), said)
+plane.visible_shadow, plane.is_holdout, scene.render.use_multiview = True, False, False
+image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR", "32", "NONE"
+layer.material_override = bpy.data.materials.new("override")
+layer.material_override.use_nodes = True
+layer.material_override.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0, 0, 0, 1)
+render()
+check("the material of a view layer is that of all objects", picture().mean() < 0.3 * expected.mean(), picture().mean((0, 1)))
+layer.material_override = None
 noise = tree.nodes.new("ShaderNodeTexNoise")
 tree.links.new(noise.outputs["Color"], matt.inputs["Color"])
 render()
@@ -129,9 +149,33 @@ values = np.empty(len(shown.pixels), np.float32)
 shown.pixels.foreach_get(values)
 values = values.reshape(30, 40, 4)[..., :3].mean((0, 1))
 check("and mixes them without a render", np.allclose(values, 2 * 2 * 0.5 * np.array([0.1, 0.2, 0.3]), rtol=5e-3), values)
+mix["Sun"].factor, mix["World"].factor = 0.5, 0
+shown.pixels.foreach_get(pixels := np.empty(len(shown.pixels), np.float32))
+check("a factor shows as it is moved", np.allclose(pixels.reshape(30, 40, 4)[..., :3].mean((0, 1)), 2 * 0.5 * 0.5 * 2 / np.pi, rtol=5e-3), pixels[:4])
+mix["Sun"].factor, mix["World"].factor = 1, 1
+mix["Sun"].mute = True
+check("a light is muted", settings.darkroom.factors() == {"Sun": 0, "World": 1}, settings.darkroom.factors())
+mix["Sun"].mute, mix["World"].solo = False, True
+check("others are where one is solo", settings.darkroom.factors() == {"Sun": 0, "World": 1}, settings.darkroom.factors())
+mix["World"].factor = 2
+settings.darkroom.noise = "DENOISE"
+bpy.ops.latent.develop()
+shown.pixels.foreach_get(pixels)
+check("where lights do not add up, it develops again", np.allclose(pixels.reshape(30, 40, 4)[..., :3].mean((0, 1)), values, rtol=5e-3), pixels[:4])
+settings.darkroom.noise, mix["World"].solo, mix["Sun"].factor = "KEEP", False, 0
+darkroom = importlib.import_module("latent_render.darkroom")
+offered = darkroom.listed("latent-develop", "film", "--list-films")(None, bpy.context, "")
+check("films are offered by name, with what they are", dict(offered)["portra-400"].startswith("Kodak"), offered[:3])
 settings.darkroom.film = "portra-400"
 bpy.ops.latent.develop()
 check("and prints on film", tuple(bpy.data.images["Latent Darkroom"].size) == (40, 30))
+
+# Old jobs can be removed; the last one stays.
+files = lambda: {path.name for path in (folder / "job").glob("*.latent*")}  # noqa: E731
+kept = pathlib.Path(engine.last["samples"]).name
+check("old jobs are there", len(files()) > 1 and kept in files(), files())
+bpy.ops.latent.clean()
+check("and can be removed", files() == {kept}, files())
 
 # A plan for a farm, of two frames.
 settings.farm_folder, scene.frame_end = str(folder / "farm"), 2
@@ -182,7 +226,8 @@ class Context:
 engine.last.update(lost=["material floor: something"], wanted=[("floor", "node", "Color")])
 for panel in panels.CLASSES:
     layout = Layout()
-    holder = type("Holder", (), {"layout": layout})()
+    holder = types.SimpleNamespace(layout=layout, FIELDS=panel.FIELDS, settings=panel.settings)
+    holder.more = functools.partial(panel.more, holder)
     panel.draw(holder, Context)
     check(f"panel {panel.bl_label} shows what there is", panel.poll(Context) and layout.count > 0, layout.count)
 

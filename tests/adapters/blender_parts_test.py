@@ -138,6 +138,14 @@ class Programs(unittest.TestCase):
         self.assertEqual(tools.share_done("2026-01-01 12:00:00 committed 40 of 160 samples (25.0 %), 1 K samples/s"), 0.25)
         self.assertIsNone(tools.share_done("latent-render: warning: committed to nothing"))
 
+    def test_what_they_list_has_names_and_lines_about_them(self):
+        for kind, option, name in (("observer", "--list-observers", "cie1931"), ("lens-filter", "--list-observers", "wratten-25"), ("film", "--list-films", "portra-400")):
+            found = dict(tools.listed(TOOLS / "latent-develop", kind, option))
+            self.assertGreater(len(found), 10)
+            self.assertTrue(found[name])
+            self.assertNotIn("source:", found)
+        self.assertIn("endura", dict(tools.listed(TOOLS / "latent-convert", "paper", "--list-papers")))
+
     def test_a_program_that_fails_says_why(self):
         with self.assertRaisesRegex(tools.Failure, "missing.pbrt"):
             tools.run([TOOLS / "latent-render", "/missing.pbrt", "-o", "/tmp/never.latent"])
@@ -152,23 +160,61 @@ class Settings:
 
 
 class Jobs(unittest.TestCase):
-    def made(self, folder, text, parts):
+    def begin(self, folder, text, parts, words=()):
         document = pbrt.Document()
         document.body = [text]
-        return job.Job(folder, "frame", document.write(f"{folder}/scene.pbrt"), job.options(Settings, None, False), parts)
+        mine = job.Job(folder, "frame")
+        return mine, mine.begin(document.write(f"{folder}/scene.pbrt"), job.options(Settings, None, False) + list(words), parts, None)
 
-    def test_what_changed_is_said_and_earlier_samples_are_kept(self):
+    def test_what_changed_is_said_and_earlier_samples_are_kept_until_they_are_removed(self):
         with tempfile.TemporaryDirectory() as folder:
-            first = self.made(folder, "A", {"lamp Key": "1", "world": "2"})
-            self.assertEqual(first.word(), "new job")
-            first.remember()
-            open(first.samples, "w").close()
-            self.assertIn("same job", self.made(folder, "A", {"lamp Key": "1", "world": "2"}).word())
-            second = self.made(folder, "B", {"lamp Key": "3", "world": "2"})
-            self.assertIn("new job: lamp Key changed", second.word())
-            self.assertEqual(second.others(), [first.samples])
-            second.remember()
-            self.assertIn("back to an earlier job", self.made(folder, "A", {"lamp Key": "1", "world": "2"}).word())
+            first, word = self.begin(folder, "A", {"lamp Key": "1", "world": "2"})
+            self.assertEqual(word, "new job")
+            self.assertEqual(self.begin(folder, "A", {"lamp Key": "1", "world": "2"})[1], "same job: it resumes")
+            for path in (first.samples, f"{folder}/other.latent", f"{folder}/other-0123456789ab.latent"):  # the last two are not its own
+                open(path, "w").close()
+            self.assertIn("missing samples", self.begin(folder, "A", {"lamp Key": "1", "world": "2"})[1])
+            self.assertEqual(job.old(folder), [])
+            second, word = self.begin(folder, "B", {"lamp Key": "3", "world": "2"})
+            self.assertIn("new job: lamp Key changed", word)
+            self.assertEqual(job.old(folder), [first.samples])
+            self.assertEqual(job.Job(folder, "frame").samples, second.samples)
+            self.assertIn("back to an earlier job", self.begin(folder, "A", {"lamp Key": "1", "world": "2"})[1])
+            self.assertEqual(job.old(folder), [])
+
+    def test_a_picture_is_developed_once_and_again_for_more_samples(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mine, _ = self.begin(folder, "A", {})
+            tool("inspect", "gen", "-o", mine.samples, "--records", "4000")
+            first, path = mine.develop(TOOLS / "latent-develop", mine.picture, ["--size", "20x20"])
+            again = job.Job(folder, "frame")  # Blender was closed
+            for words, layers in ((["--size", "20x20"], ["weight"]), (["--size", "10x10"], [])):
+                with self.assertRaisesRegex(tools.Failure, "not there yet"):
+                    again.develop(None, f"{folder}/b.exr", words, layers)
+            kept, where = again.develop(None, f"{folder}/b.exr", ["--size", "20x20"])
+            self.assertEqual((where, path), (mine.picture, mine.picture))
+            np.testing.assert_array_equal(kept["R"], first["R"])
+            tool("inspect", "gen", "-o", mine.samples, "--records", "8000", "--force")
+            with self.assertRaisesRegex(tools.Failure, "not there yet"):
+                again.develop(None, f"{folder}/b.exr", ["--size", "20x20"])
+
+
+class Lights(unittest.TestCase):
+    def test_a_mix_is_the_sum_of_the_pictures_of_its_lights(self):
+        with tempfile.TemporaryDirectory() as folder:
+            document = pbrt.Document()
+            document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 8, "integer yresolution": 6}), 'Camera "perspective"']
+            document.body = ['LightSource "infinite" "string name" "World" "rgb L" [ .2 .3 .4 ]', 'LightSource "point" "string name" "Key" "rgb I" [ 3 2 1 ]',
+                             "Translate 0 0 3", 'Material "diffuse"', 'Shape "sphere"']
+            document.write(f"{folder}/scene.pbrt")
+            tools.run([TOOLS / "latent-render", f"{folder}/scene.pbrt", "-o", f"{folder}/a.latent", "--spp", "16", "--light-groups", "--json"])
+            at = lambda *words: develop.develop(TOOLS / "latent-develop", f"{folder}/a.latent", f"{folder}/a.exr", words)  # noqa: E731
+            layers = at("--layers", "lights")
+            self.assertEqual(set(develop.lights(layers)), {"World", "Key"})
+            mix, expected = develop.mixed(layers, {"Key": 2.5, "World": 0.0, "Gone": 3.0}), at("--light", "Key=2.5", "--light", "World=0")
+            for name in "RGB":
+                self.assertGreater(expected[name].max(), 0)
+                np.testing.assert_allclose(mix[name], expected[name], atol=1e-5 * layers[name].max())
 
 
 class FakeNode:

@@ -1,9 +1,11 @@
 // Lights that are mixed after rendering against renders of scenes that have them so.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 
 #include "color/camera.h"
 #include "color/catalogue.h"
@@ -103,6 +105,84 @@ TEST_F(Lights, AllAtOneAreThePlainPicture) {
     }
 }
 
+// One pass over the records gives what a pass for each group would. The picture is their sum.
+TEST_F(Lights, AsLayersAreThePicturesOfEachGroupAlone) {
+    struct Choice {
+        std::string integrator, layers;  // other ones
+        std::vector<std::string> options;
+    };
+    const Choice choices[] = {{"path", "", {}},
+                              {"path", "", {"--filter", "box"}},
+                              {"path", "", {"--filter", "quartic:-6,2"}},
+                              {"path", "", {"--estimator", "ratio"}},
+                              {"path", "", {"--spectral-bins", "7"}},
+                              {"path", "variance,count,", {}},  // which add up the records of a sample first
+                              {"bdpt", "", {}},
+                              {"bdpt", "", {"--filter", "mitchell-separable", "--image", "light"}},
+                              {"bdpt", "weight,", {"--observer", "canon_eos_5d", "--halves"}}};
+    const char* const groups[] = {"unnamed", "sky", "lamp"};
+    std::map<std::string, std::string> files;
+    for (const std::string integrator : {"path", "bdpt"})
+        files[integrator] = render(integrator, corner(4, 0.5),
+                                   {"--samples", "0:32768", "--run-samples", "1024", "--integrator", integrator, "--light-groups"});
+    for (const Choice& choice : choices) {
+        SCOPED_TRACE(fmt::format("{} {}{}", choice.integrator, choice.layers, fmt::join(choice.options, " ")));
+        const std::vector<std::string> how = with({"--size", "48"}, choice.options);
+        const Picture layers = develop(files[choice.integrator], with(how, {"--layers", choice.layers + "lights"}));
+        std::map<std::string, std::vector<double>> sums;
+        for (const char* group : groups) {
+            std::vector<std::string> alone = how;
+            if (!choice.layers.empty()) alone = with(alone, {"--layers", choice.layers.substr(0, choice.layers.size() - 1)});
+            for (const char* other : groups) {
+                if (other != group) alone = with(alone, {"--light", fmt::format("{}=0", other)});
+            }
+            for (const auto& [channel, values] : develop(files[choice.integrator], alone).channels) {
+                const auto layer = layers.channels.find(fmt::format("light.{}.{}", group, channel));
+                if (layer == layers.channels.end()) continue;
+                EXPECT_EQ(layer->second, values) << group << " " << channel;
+                std::vector<double>& sum = sums[channel];
+                sum.resize(values.size());
+                for (std::size_t i = 0; i < values.size(); ++i) sum[i] += static_cast<double>(values[i]);
+            }
+        }
+        EXPECT_EQ(sums.size(), layers.channels.contains("R") ? 3u : 7u);
+        for (const auto& [channel, sum] : sums) {
+            const std::vector<float>& values = layers.channels.at(channel);
+            const double largest = static_cast<double>(std::ranges::max(values));
+            for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(sum[i], values[i], 1e-6 * largest) << channel;
+        }
+    }
+}
+
+TEST_F(Lights, AsLayersArePartsOfTheMixHoweverItIsDeveloped) {
+    const std::string file =
+        render("mix", corner(4, 0.5), {"--samples", "0:262144", "--run-samples", "8192", "--integrator", "bdpt", "--light-groups"});
+    const std::vector<std::string> how = {"--size",         "600",     "--layers",       "lights", "--dim-fireflies", "--light",
+                                          "lamp=6500K,0.5", "--light", "sky=wratten-80a"};
+    const Picture whole = develop(file, with(how, {"--threads", "1"}));
+    for (const char* channel : {"R", "G", "B"}) {
+        const std::vector<float>& mix = whole.channels.at(channel);
+        const double largest = static_cast<double>(std::ranges::max(mix));
+        double lamp = 0, sky = 0;
+        for (std::size_t i = 0; i < mix.size(); ++i) {
+            const auto of = [&](const char* group) {
+                return static_cast<double>(whole.channels.at(fmt::format("light.{}.{}", group, channel))[i]);
+            };
+            EXPECT_NEAR(of("unnamed") + of("sky") + of("lamp"), mix[i], 1e-6 * largest);
+            lamp += of("lamp"), sky += of("sky");
+        }
+        EXPECT_GT(lamp, 0);
+        EXPECT_GT(sky, 0);
+    }
+    EXPECT_EQ(develop(file, with(how, {"--threads", "2", "--memory", "64M"})).channels, whole.channels);
+    const Picture crop = develop(file, with(how, {"--crop", "200,100,264,140"}));
+    for (const auto& [channel, values] : crop.channels) {
+        for (int y = 0; y < 40; ++y) {
+            for (int x = 0; x < 64; ++x) EXPECT_EQ(crop.at(channel, x, y), whole.at(channel, 200 + x, 100 + y)) << channel;
+        }
+    }
+}
+
 TEST_F(Lights, ReplacedOrFilteredAreWhatIntegrationSays) {
     const color::Spectrum d65 = *color::named_spectrum("stdillum-D65"), lamp = *color::Spectrum::blackbody(2856);
     const std::string light = R"(LightSource "distant" "string name" "the lamp" "blackbody L" 2856 "float scale" 3.14159265)"
@@ -156,6 +236,9 @@ TEST_F(Lights, WhatCannotBeMixedIsRefusedInOneLine) {
          {"sodium", "sodium=", "sodium=-1", "=2", "sodium=D65,A", "sodium=wratten-1000", "sodium=2,,3", "sodium=1e39"})
         message(file, bad);
     EXPECT_EQ(run({tool("latent-develop"), xyz, "-o", path("b.exr"), "--light", "sodium=2"}).status, 0);
+    const Outcome none = run({tool("latent-develop"), plain, "-o", path("c.exr"), "--layers", "lights"});
+    EXPECT_EQ(none.status, 2);
+    EXPECT_TRUE(has(none.err, "--layers lights: the files have no light groups; render the scene with --light-groups")) << none.err;
     const Outcome unnamed = run({tool("latent-render"), path("none.pbrt"), "-o", path("none.latent"), "--light-groups"});
     EXPECT_NE(unnamed.status, 0);
 }

@@ -27,11 +27,17 @@ TEST(Layers, AreReadInAnyOrderAndOthersRefused) {
     EXPECT_EQ(*parse_layers("weight"), Layers{.weight = true});
     EXPECT_EQ(*parse_layers("gloss,weight,studio:matte,gloss"), (Layers{.weight = true, .columns = {"gloss", "studio:matte"}}));
     for (const char* bad : {"", "count,", "count,,weight"}) EXPECT_FALSE(parse_layers(bad)) << bad;
+    EXPECT_EQ(*parse_layers("lights,depth"), (Layers{.lights = true, .depth = true}));
     const RowLayout layout{3, kAll};
     EXPECT_THAT(layout.names({"R", "G", "B"}),
                 ::testing::ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "weight", "count", "half0.R",
                                        "half0.G", "half0.B", "half1.R", "half1.G", "half1.B"));
     EXPECT_EQ(layout.outputs(), 14);
+    const RowLayout with_lights{3, {.lights = true, .depth = true}, false, {"Key", "World"}};
+    EXPECT_THAT(with_lights.names({"R", "G", "B"}),
+                ::testing::ElementsAre("R", "G", "B", "light.Key.R", "light.Key.G", "light.Key.B", "light.World.R", "light.World.G",
+                                       "light.World.B", "Z"));
+    EXPECT_EQ(with_lights.outputs(), 10);
 }
 
 // Written down once: files developed by different versions must agree about halves.

@@ -190,7 +190,8 @@ CLI::App& add_decisions(CLI::App& app, PictureOptions& options) {
     };
     cli::add_parsed(
         section, "--layers", options.layers, layers,
-        "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); of "
+        "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); "
+        "lights (the picture by each group of lights alone), of files rendered with --light-groups; of "
         "files rendered with --aov: albedo, normal, depth, position, id; of any other column of the files, by its name: its mean")
         ->type_name("NAME,...");
     section.add_flag("--halves", options.layers.halves,

@@ -20,7 +20,6 @@ def settings_of(scene, width, height, samples, output):
     cycles.pixel_filter_type = "BOX"
 
 
-
 def bake_world(job):
     with bpy.data.libraries.load(job["library"]) as (there, here):
         here.worlds = [job["world"]]

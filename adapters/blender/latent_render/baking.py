@@ -19,19 +19,15 @@ def command(job):
 
 def fingerprint(tree, seen=()):
     """Everything in a node tree that decides its picture, as text."""
+    plain = lambda value: list(value) if hasattr(value, "__len__") and not isinstance(value, (str, set)) else str(value)  # noqa: E731
     lines = []
     for node in tree.nodes:
-        values = {}
-        for name, property in node.bl_rna.properties.items():
-            if property.type in ("FLOAT", "INT", "BOOLEAN", "ENUM", "STRING") and not name.startswith(("location", "select", "width", "height", "show_", "ui_", "bl_")):
-                value = getattr(node, name)
-                values[name] = list(value) if hasattr(value, "__len__") and not isinstance(value, (str, set)) else str(value)
-        inputs = [(s.identifier, list(s.default_value) if hasattr(s.default_value, "__len__") and not isinstance(s.default_value, str) else str(s.default_value))
-                  for s in node.inputs if hasattr(s, "default_value")]
-        outputs = [str(list(s.default_value) if hasattr(s.default_value, "__len__") and not isinstance(s.default_value, str) else s.default_value)
-                   for s in node.outputs if hasattr(s, "default_value")]
+        values = {name: plain(getattr(node, name)) for name, property in node.bl_rna.properties.items()
+                  if property.type in ("FLOAT", "INT", "BOOLEAN", "ENUM", "STRING")
+                  and not name.startswith(("location", "select", "width", "height", "show_", "ui_", "bl_"))}
+        sockets = [(socket.identifier, plain(socket.default_value)) for socket in (*node.inputs, *node.outputs) if hasattr(socket, "default_value")]
         image = getattr(node, "image", None)
-        lines.append(str((node.name, node.type, sorted(values.items(), key=str), inputs, outputs, image.filepath if image else "", image.name if image else "")))
+        lines.append(str((node.name, node.type, sorted(values.items(), key=str), sockets, image.filepath if image else "", image.name if image else "")))
         inner = getattr(node, "node_tree", None)
         if inner and inner.name not in seen:
             lines.append(fingerprint(inner, (*seen, inner.name)))

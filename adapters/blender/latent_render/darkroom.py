@@ -6,53 +6,112 @@ import webbrowser
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
-from . import develop, engine, tools
+from . import develop, engine, job, tools
 
 IMAGE = "Latent Darkroom"
 
 
+def listed(name, kind, option):
+    """For a text that has candidates: what a program lists for an option of its own, each with what it is."""
+
+    def search(_, context, text):
+        try:
+            return tools.listed(engine.program(name), kind, option)
+        except tools.Failure:
+            return []
+
+    return search
+
+
+def follow(_, context):
+    show_mix(context)
+
+
 class LightMix(bpy.types.PropertyGroup):
-    factor: FloatProperty(name="Factor", default=1, min=0, soft_max=10)
-    change: StringProperty(name="Spectrum", description="A filter or another spectrum of the same luminance, such as 6500K, D65, F11 or wratten-80a")
+    factor: FloatProperty(name="Factor", default=1, min=0, soft_max=10, update=follow)
+    mute: BoolProperty(name="Mute", description="Without this light", update=follow)
+    solo: BoolProperty(name="Solo", description="This light alone, and others that are solo", update=follow)
+    change: StringProperty(name="Spectrum", description="A filter or another spectrum of the same luminance, such as 6500K, D65, F11 or wratten-80a",
+                           search=listed("latent-develop", "lens-filter", "--list-observers"))
 
 
 class DarkroomSettings(bpy.types.PropertyGroup):
-    observer: StringProperty(name="Observer", default="cie1931", description="latent-develop --list-observers shows all")
-    film: StringProperty(name="Film", description="latent-develop --list-films shows all; empty: none")
-    paper: StringProperty(name="Paper", description="What a negative film is printed on", default="endura")
-    stops: FloatProperty(name="Exposure", description="Stops", default=0, soft_min=-5, soft_max=5)
+    observer: StringProperty(name="Observer", description="An eye, a camera or a black-and-white film, or a table (CSV)", default="cie1931",
+                             search=listed("latent-develop", "observer", "--list-observers"))
+    film: StringProperty(name="Film", description="Instead of an observer; empty: none", search=listed("latent-develop", "film", "--list-films"))
+    paper: StringProperty(name="Paper", description="What a negative film is printed on", default="endura", search=listed("latent-convert", "paper", "--list-papers"))
+    stops: FloatProperty(name="Exposure", description="Stops", default=0, soft_min=-5, soft_max=5, update=follow)
     noise: EnumProperty(name="Noise", items=[("KEEP", "Keep", ""), ("FIREFLIES", "Dim fireflies", ""), ("DENOISE", "Denoise", "")])
     aperture: FloatProperty(name="Aperture", description="Share of the radius of the rendered lens; needs depth of field with blades, or --aov lens", default=1, min=0.01, max=1)
     shutter: FloatProperty(name="Shutter", description="Share of the rendered exposure; needs Keep the time", default=1, min=0.01, max=1)
     mix: CollectionProperty(type=LightMix)
 
+    @property
+    def printed(self):
+        """What a camera or a film has seen is printed: it is no light of the scene any more."""
+        return bool(self.film) or not self.observer.startswith("cie")
 
-def options(settings, groups, aperture):
-    """Arguments of latent-develop. `aperture`: that of the camera's blades, or None."""
-    words = ["--observer", settings.observer] if not settings.film else ["--film", settings.film]
-    words += {"KEEP": [], "FIREFLIES": ["--dim-fireflies"], "DENOISE": ["--denoise"]}[settings.noise]
-    parts = ([f"{settings.aperture:.6g}"] if settings.aperture < 1 else []) + ([aperture] if aperture else [])
-    words += ["--aperture", ",".join(parts)] if parts else []
-    words += ["--shutter", f"0:{settings.shutter:.6g}"] if settings.shutter < 1 else []
-    for light in settings.mix:
-        if light.name in groups and (light.factor != 1 or light.change):
-            words += ["--light", f"{light.name}=" + ",".join([f"{light.factor:.6g}", *([light.change] if light.change else [])])]
-    return words
+    @property
+    def adds_up(self):
+        """Whether a light mix is a sum of the pictures of the lights."""
+        return not self.printed and self.noise == "KEEP"
+
+    def factors(self):
+        solo = any(light.solo for light in self.mix)
+        return {light.name: 0.0 if light.mute or solo and not light.solo else light.factor for light in self.mix}
+
+    def options(self, scene, aperture):
+        """Arguments of latent-develop. Factors are left for later where the pictures of the lights need only be added up."""
+        parts = ([f"{self.aperture:.6g}"] if self.aperture < 1 else []) + ([aperture] if aperture else [])
+        words = engine.develop_words(scene.latent, ",".join(parts))
+        words += ["--film", self.film] if self.film else ["--observer", self.observer] if self.observer != "cie1931" else []
+        words += {"KEEP": [], "FIREFLIES": ["--dim-fireflies"], "DENOISE": ["--denoise"]}[self.noise]
+        words += ["--shutter", f"0:{self.shutter:.6g}"] if self.shutter < 1 else []
+        for light, factor in zip(self.mix, self.factors().values()):
+            changes = ([light.change] if light.change else []) + ([f"{factor:.6g}"] if factor != 1 and not self.adds_up else [])
+            words += ["--light", f"{light.name}={','.join(changes)}"] if changes else []
+        return words
 
 
-def show(pixels):
-    """(height, width, 3), linear, into the image that the panel fills."""
+def job_of(context):
+    """That of the frame in view, though Blender may have been closed since."""
+    last = job.Job(engine.folder_of(context.scene), engine.name_of(context.scene, context.view_layer.name))
+    if not last.files:
+        raise tools.Failure(f"frame {context.scene.frame_current} has no samples yet; render it with F12")
+    return last
+
+
+def picture(context, program=None):
+    """What the panel asks for: channels and the path of the picture that they are in. Without a program, only if it need not be developed."""
+    settings, last = context.scene.latent.darkroom, job_of(context)
+    layers = ["lights"] if settings.adds_up and last.has_lights else []
+    channels, path = last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
+    return develop.mixed(channels, settings.factors() if layers else {}), path
+
+
+def show(settings, channels):
+    """In the image that the panel fills."""
+    pixels = develop.rgb(channels) * np.float32(2.0**settings.stops)
     height, width = pixels.shape[:2]
     image = bpy.data.images.get(IMAGE)
-    if image is None or tuple(image.size) != (width, height):
+    if image is None or tuple(image.size) != (width, height) or image.source != "GENERATED":
         if image is not None:
             bpy.data.images.remove(image)
         image = bpy.data.images.new(IMAGE, width, height, float_buffer=True)
     image.pixels.foreach_set(np.ascontiguousarray(engine.with_alpha(pixels)[::-1], np.float32).ravel())
     image.update()
-    return image
+
+
+def show_mix(context):
+    """While a control is moved: a sum of pictures that are there."""
+    settings = context.scene.latent.darkroom
+    if IMAGE in bpy.data.images and settings.adds_up:
+        try:
+            show(settings, picture(context)[0])
+        except (tools.Failure, OSError, ValueError):
+            pass  # Develop says why
 
 
 class Operator:
@@ -71,12 +130,13 @@ class LATENT_OT_light_mix(Operator, bpy.types.Operator):
     bl_idname, bl_label = "latent.light_mix", "List the lights"
 
     def run(self, context):
-        mix = context.scene.latent.darkroom.mix
-        groups = develop.groups_of(engine.program("latent-inspect"), engine.last["samples"])
-        for name in groups:
+        mix, last = context.scene.latent.darkroom.mix, job_of(context)
+        words = engine.develop_words(context.scene.latent, last.note["aperture"])
+        names = develop.lights(last.develop(engine.program("latent-develop"), last.picture, words, ["lights"])[0]) if last.has_lights else []
+        for name in names:
             if name not in mix:
                 mix.add().name = name
-        for name in [light.name for light in mix if light.name not in groups]:
+        for name in [light.name for light in mix if light.name not in names]:
             mix.remove(mix.find(name))
 
 
@@ -86,19 +146,13 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
     bl_idname, bl_label = "latent.develop", "Develop"
 
     def run(self, context):
-        settings, samples = context.scene.latent.darkroom, engine.last["samples"]
-        if not samples:
-            raise tools.Failure("nothing was rendered yet")
-        picture = os.path.splitext(engine.last["picture"])[0] + ".darkroom.exr"
-        words = options(settings, [light.name for light in settings.mix], engine.last["aperture"])
-        channels = develop.develop(engine.program("latent-develop"), samples, picture, words)
-        if not settings.film and settings.observer.startswith("cie"):
-            show(develop.rgb(channels) * np.float32(2.0**settings.stops))
-            return
-        # What a camera or a film has seen is printed: it is no light of the scene any more.
-        printed = picture[:-4] + ".png"
+        settings = context.scene.latent.darkroom
+        channels, path = picture(context, engine.program("latent-develop"))
+        if not settings.printed:
+            return show(settings, channels)
+        printed = os.path.splitext(path)[0] + ".png"
         words = ["--paper", settings.paper] if settings.film and settings.paper else []
-        tools.run([engine.program("latent-convert"), picture, "-o", printed, "--force", "--quiet", "--json", "--stops", f"{settings.stops:.6g}", *words])
+        tools.run([engine.program("latent-convert"), path, "-o", printed, "--force", "--quiet", "--json", "--stops", f"{settings.stops:.6g}", *words])
         image = bpy.data.images.get(IMAGE)
         if image is not None:
             bpy.data.images.remove(image)
@@ -112,9 +166,7 @@ class LATENT_OT_darkroom(Operator, bpy.types.Operator):
     bl_idname, bl_label = "latent.darkroom", "Open latent-darkroom"
 
     def run(self, context):
-        samples = engine.last["samples"]
-        if not samples:
-            raise tools.Failure("nothing was rendered yet")
+        samples = job_of(context).samples
         words = [engine.program("latent-darkroom"), samples, "--recipes", os.path.dirname(samples)]
         room = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
         atexit.register(room.terminate)
@@ -144,6 +196,23 @@ class LATENT_OT_farm(Operator, bpy.types.Operator):
         self.report({"INFO"}, f"Latent: {len(scenes)} frames are planned in {folder}")
 
 
+class LATENT_OT_clean(Operator, bpy.types.Operator):
+    """Removes samples of earlier jobs: all but those of the last job of each frame"""
+
+    bl_idname, bl_label = "latent.clean", "Remove old jobs"
+
+    def invoke(self, context, _):
+        return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, context):
+        files = job.old(engine.folder_of(context.scene))
+        self.layout.label(text=f"{sum(map(os.path.getsize, files)) / 2**20:.1f} MiB of samples; this cannot be undone", icon="TRASH")
+
+    def run(self, context):
+        for path in job.old(engine.folder_of(context.scene)):
+            os.remove(path)
+
+
 class LATENT_OT_bake(Operator, bpy.types.Operator):
     """Bakes to pictures, with Cycles in the background, what the last render could not export of materials"""
 
@@ -158,4 +227,4 @@ class LATENT_OT_bake(Operator, bpy.types.Operator):
         self.report({"INFO"}, f"Latent: {made} pictures were baked; F12 takes them")
 
 
-CLASSES = (LightMix, DarkroomSettings, LATENT_OT_light_mix, LATENT_OT_develop, LATENT_OT_darkroom, LATENT_OT_farm, LATENT_OT_bake)
+CLASSES = (LightMix, DarkroomSettings, LATENT_OT_light_mix, LATENT_OT_develop, LATENT_OT_darkroom, LATENT_OT_farm, LATENT_OT_clean, LATENT_OT_bake)

@@ -15,9 +15,12 @@ PASSES = {
     "VARIANCE": ("Variance", "RGB", "COLOR", ["variance.R", "variance.G", "variance.B"]),
 }
 
+def of_pass(channels, names):
+    return np.stack([channels[name] for name in names], -1)
 
-def rgb(channels):
-    return np.tensordot(np.stack([channels["R"], channels["G"], channels["B"]], -1), RGB_FROM_XYZ.T, 1)
+
+def rgb(channels, prefix=""):
+    return np.tensordot(of_pass(channels, [prefix + name for name in "RGB"]), RGB_FROM_XYZ.T, 1)
 
 
 def develop(program, samples, picture, words=()):
@@ -26,19 +29,16 @@ def develop(program, samples, picture, words=()):
     return exr.read(picture)
 
 
-def without(groups, group):
-    """Arguments that leave the light of one of the groups alone."""
-    return [word for other in groups if other != group for word in ("--light", f"{other}=0")]
+def lights(channels):
+    """Names of the light groups of a picture with the layer lights. The export names every light, so there is none in "unnamed"."""
+    return [name[6:-2] for name in channels if name.startswith("light.") and name.endswith(".R") and name != "light.unnamed.R"]
 
 
-def of_pass(channels, names):
-    return np.stack([channels[name] for name in names], -1)
-
-
-def groups_of(program, samples):
-    """Names of the light groups of a file. The export names every light, so there is none in "unnamed"."""
-    report, _ = tools.run([program, "info", samples, "--json"])
-    names = [group if isinstance(group, str) else group["name"] for group in report.get("light_groups", [])]
-    return [name for name in names if name != "unnamed"]
-
-
+def mixed(channels, factors):
+    """The picture with the light of some groups times a factor."""
+    mix = {name: channels[name].copy() for name in "RGB"}
+    for light, factor in factors.items():
+        for name, plane in mix.items():
+            if factor != 1 and f"light.{light}.{name}" in channels:
+                plane += np.float32(factor - 1) * channels[f"light.{light}.{name}"]
+    return mix

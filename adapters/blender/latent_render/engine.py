@@ -10,7 +10,7 @@ from . import baking, develop, job, tools
 from .export import camera
 from .export.scene import Exporter
 
-last = {"word": "", "lost": [], "samples": "", "picture": "", "aperture": None, "wanted": [], "seconds": {}}  # of the last render, for the panels
+last = {"word": "", "lost": [], "samples": "", "wanted": [], "seconds": {}}  # of the last render, for the panels
 planned = None  # a list while a farm is planned: the scene of each frame, and its options
 
 
@@ -31,6 +31,11 @@ def name_of(scene, layer):
     """Of the files of a frame."""
     parts = [scene.name, *([layer] if len(scene.original.view_layers) > 1 else []), f"{scene.frame_current:04d}"]
     return "-".join("".join(c if c.isalnum() or c in "._ " else "_" for c in part) for part in parts)
+
+
+def develop_words(settings, aperture):
+    """Arguments of latent-develop for a picture as the camera sees it. `aperture`: that of its blades, or None."""
+    return settings.develop_options.split() + (["--aperture", aperture] if aperture else [])
 
 
 class LatentEngine(bpy.types.RenderEngine):
@@ -70,11 +75,9 @@ class LatentEngine(bpy.types.RenderEngine):
         if planned is not None:
             planned.append((exported.path, words))
             return self.fill(scene, layer, {})
-        mine = job.Job(folder, name_of(scene, layer), exported.digest, words, exported.parts)
-        word = mine.word()
-        mine.remember()
-        last.update(word=word, lost=exported.lost, samples=mine.samples, picture=mine.picture, aperture=exported.aperture, wanted=exported.wanted,
-                    seconds={"export": time.monotonic() - begin})
+        mine = job.Job(folder, name_of(scene, layer))
+        word = mine.begin(exported.digest, words, exported.parts, exported.aperture)
+        last.update(word=word, lost=exported.lost, samples=mine.samples, wanted=exported.wanted, seconds={"export": time.monotonic() - begin})
         print(f"Latent: {word}")
         for line in exported.lost:
             print(f"Latent: not exported: {line}")
@@ -89,7 +92,7 @@ class LatentEngine(bpy.types.RenderEngine):
         begin = time.monotonic()
         self.say("developing")
         try:
-            self.show(scene, layer, mine, exported.aperture)
+            self.show(scene, layer, mine)
         except tools.Failure:
             if report is not None:
                 raise
@@ -108,21 +111,18 @@ class LatentEngine(bpy.types.RenderEngine):
         self.update_progress(share)
         self.say(f"{100 * share:.0f} %; {word}")
 
-    def show(self, scene, layer, mine, aperture):
+    def show(self, scene, layer, mine):
         """Develops what there is, and fills the passes."""
-        settings, developer = scene.latent, program("latent-develop")
-        words = settings.develop_options.split() + (["--aperture", aperture] if aperture else [])
-        passes = {}
-        groups = develop.groups_of(program("latent-inspect"), mine.samples) if settings.light_groups != "NONE" else []
-        for group in groups:
-            alone = develop.develop(developer, mine.samples, mine.picture, [*words, *develop.without(groups, group)])
-            self.add_pass(f"Light {group}", 3, "RGB", layer=layer)
-            passes[f"Light {group}"] = develop.rgb(alone)
-        layers = [name for name in develop.PASSES if name in settings.layers]
-        channels = develop.develop(developer, mine.samples, mine.picture, [*words, *(["--layers", ",".join(layers).lower()] if layers else [])])
-        passes["Combined"] = with_alpha(develop.rgb(channels))
-        for name in layers:
-            passes[develop.PASSES[name][0]] = develop.of_pass(channels, develop.PASSES[name][3])
+        settings = scene.latent
+        names = [name for name in develop.PASSES if name in settings.layers]
+        layers = [name.lower() for name in names] + (["lights"] if settings.light_groups != "NONE" else [])
+        channels, _ = mine.develop(program("latent-develop"), mine.picture, develop_words(settings, mine.note["aperture"]), layers)
+        if "Z" in channels:
+            channels["Z"] = channels["Z"] * camera.depth_per_distance(scene)
+        passes = {"Combined": with_alpha(develop.rgb(channels)), **{develop.PASSES[name][0]: develop.of_pass(channels, develop.PASSES[name][3]) for name in names}}
+        for light in develop.lights(channels):
+            self.add_pass(f"Light {light}", 3, "RGB", layer=layer)
+            passes[f"Light {light}"] = develop.rgb(channels, f"light.{light}.")
         self.fill(scene, layer, passes)
 
     def fill(self, scene, layer, passes):
@@ -134,11 +134,9 @@ class LatentEngine(bpy.types.RenderEngine):
             left, right = int(border.border_min_x * width), int(border.border_max_x * width)
             low, high = int(border.border_min_y * height), int(border.border_max_y * height)
         result = self.begin_result(0, 0, right - left, high - low, layer=layer)
-        there = result.layers[0].passes
-        for name, values in passes.items():
-            target = there.get(name) if hasattr(there, "get") else next((p for p in there if p.name == name), None)
-            if target is not None:
-                shown = np.ascontiguousarray(values[::-1][low:high, left:right], np.float32)
+        for target in result.layers[0].passes:  # of each view
+            if target.name in passes:
+                shown = np.ascontiguousarray(passes[target.name][::-1][low:high, left:right], np.float32)
                 try:
                     target.rect.foreach_set(shown.ravel())
                 except TypeError:  # Blender 3.4 counts pixels

@@ -3,64 +3,86 @@
 FOLDER/meshes, FOLDER/pictures   shared by all frames
 FOLDER/scene.pbrt                the scene that was exported last
 FOLDER/NAME-KEY.latent           samples; KEY is a digest of the scene and of the options that make another job
-FOLDER/NAME.json                 the last job of this frame: its key, and a digest of each of its parts
+FOLDER/NAME.json                 the last job of this frame: its key, a digest of each of its parts, and how its pictures were developed
 """
 import glob
 import json
 import os
+import re
+
+from . import develop, exr, tools
 
 
 def options(settings, aperture, moves):
     """Arguments of latent-render that make another job if they change."""
-    words = ["--record", settings.record.lower(), "--seed", str(settings.seed)]
-    if settings.light_groups != "NONE":
-        words.append("--light-groups")
     aovs = [name.lower() for name in ("ALBEDO", "NORMAL", "DEPTH", "POSITION") if name in settings.layers]
-    aovs += ["lens"] if aperture else []
-    if settings.keep_time and moves:
-        aovs.append("time")
-    if aovs:
-        words += ["--aov", ",".join(aovs)]
-    return words + settings.render_options.split()
+    aovs += (["lens"] if aperture else []) + (["time"] if settings.keep_time and moves else [])
+    words = ["--record", settings.record.lower(), "--seed", str(settings.seed)] + (["--light-groups"] if settings.light_groups != "NONE" else [])
+    return words + (["--aov", ",".join(aovs)] if aovs else []) + settings.render_options.split()
 
 
 class Job:
-    def __init__(self, folder, name, digest, words, parts):
+    """The last job of a frame, as its note tells it."""
+
+    def __init__(self, folder, name):
+        self.name, self.picture, self.path = name, os.path.join(folder, f"{name}.exr"), os.path.join(folder, f"{name}.json")
+        self.note = read(self.path)
+        self.samples = os.path.join(folder, f"{name}-{self.note['key']}.latent") if self.note else ""
+
+    def begin(self, digest, words, parts, aperture):
+        """Takes the place of the last job. Returns what will happen: a line for the user."""
         digest = digest.copy()
         digest.update("\0".join(words).encode())
-        self.folder, self.name, self.key = folder, name, digest.hexdigest()[:12]
-        self.parts = {**parts, "options": " ".join(words)}
-        self.samples = os.path.join(folder, f"{name}-{self.key}.latent")
-        self.picture = os.path.join(folder, f"{name}.exr")
-        self.note = os.path.join(folder, f"{name}.json")
+        last, key, parts = self.note, digest.hexdigest()[:12], {**parts, "options": " ".join(words)}
+        self.samples = os.path.join(os.path.dirname(self.path), f"{self.name}-{key}.latent")
+        there = os.path.exists(self.samples)
+        self.keep(key=key, parts=parts, aperture=aperture)
+        if not last or last["key"] == key:
+            return "same job: missing samples are added" if there else "same job: it resumes" if last else "new job"
+        changed = [name for name in {**last["parts"], **parts} if last["parts"].get(name) != parts.get(name)]
+        reason = ", ".join(changed[:4]) + (f" and {len(changed) - 4} more" if len(changed) > 4 else "") or "what the scene consists of"
+        return f"back to an earlier job, which continues ({reason} changed)" if there else f"new job: {reason} changed; the samples of the last one are kept"
 
-    def others(self):
-        """Samples of earlier jobs of this frame."""
-        return [path for path in sorted(glob.glob(os.path.join(glob.escape(self.folder), f"{glob.escape(self.name)}-????????????.latent"))) if path != self.samples]
+    def keep(self, **facts):
+        self.note = {**(self.note or {}), **facts}
+        with open(self.path + ".unfinished", "w") as file:
+            json.dump(self.note, file, indent=1)
+        os.replace(self.path + ".unfinished", self.path)
 
-    def word(self):
-        """What will happen: a line for the user. Call it before the render."""
-        last = read(self.note)
-        if last and last["key"] != self.key:
-            changed = [name for name in {**last["parts"], **self.parts} if last["parts"].get(name) != self.parts.get(name)]
-            reason = ", ".join(changed[:4]) + (f" and {len(changed) - 4} more" if len(changed) > 4 else "") or "what the scene consists of"
-            if os.path.exists(self.samples):
-                return f"back to an earlier job, which continues ({reason} changed)"
-            return f"new job: {reason} changed; the samples of the last one are kept"
-        if os.path.exists(self.samples):
-            return "same job: missing samples are added"
-        return "same job: it resumes" if last else "new job"
+    @property
+    def files(self):
+        """Its samples, whole or interrupted."""
+        return sorted(glob.glob(glob.escape(self.samples) + "*")) if self.samples else []
 
-    def remember(self):
-        with open(self.note + ".unfinished", "w") as file:
-            json.dump({"key": self.key, "parts": self.parts}, file, indent=1)
-        os.replace(self.note + ".unfinished", self.note)
+    @property
+    def has_lights(self):
+        """Whether the light of each lamp is kept apart."""
+        return "--light-groups" in self.note["parts"]["options"].split()
+
+    def develop(self, program, picture, words, layers=()):
+        """A picture by these options: its channels, and where it is. It is developed into `picture` unless F12 or the darkroom has done so."""
+        key, known = [*words, *(f"{path} {os.stat(path).st_mtime_ns}" for path in self.files)], self.note.get("developed", {})
+        for path, (of, has) in known.items():
+            if of == key and set(layers) <= set(has) and os.path.exists(path):
+                return exr.read(path), path
+        if program is None:
+            raise tools.Failure("this picture is not there yet")
+        channels = develop.develop(program, self.samples, picture, [*words, *(["--layers", ",".join(layers)] if layers else [])])
+        self.keep(developed={**known, picture: (key, list(layers))})
+        return channels, picture
+
+
+def old(folder):
+    """Samples that are no longer those of their frame."""
+    found = [(path, re.match(r"(.+)-([0-9a-f]{12})\.latent", os.path.basename(path))) for path in sorted(glob.glob(os.path.join(glob.escape(folder), "*.latent*")))]
+    notes = {name: read(os.path.join(folder, f"{name}.json")) for name in {match[1] for _, match in found if match}}
+    return [path for path, match in found if match and notes[match[1]] and notes[match[1]]["key"] != match[2]]
 
 
 def read(path):
     try:
         with open(path) as file:
             last = json.load(file)
-        return last if {"key", "parts"} <= set(last) else None
+        return last if {"key", "parts", "aperture"} <= set(last) else None
     except (OSError, ValueError, TypeError):
         return None

@@ -1,4 +1,6 @@
 """Panels, and those of Blender that apply to this engine, too."""
+import textwrap
+
 import bpy
 
 from . import engine
@@ -17,76 +19,82 @@ def shared_panels():
             yield panel
 
 
+def wrapped(layout, text, icon):
+    """A text in as many lines as the panel needs."""
+    column, size = layout.column(align=True), 6.5 * bpy.context.preferences.system.ui_scale  # pixels of a letter
+    for number, line in enumerate(textwrap.wrap(text, max(16, int(bpy.context.region.width / size) - 8) if bpy.context.region else 80)):
+        column.label(text=line, icon="BLANK1" if number else icon)
+
+
 class LatentPanel:
-    bl_space_type, bl_region_type = "PROPERTIES", "WINDOW"
-    COMPAT_ENGINES = {"LATENT"}
+    """Shows the properties in FIELDS of what `settings` returns, if there is such a thing; subclasses add to it."""
+
+    bl_space_type, bl_region_type, bl_context = "PROPERTIES", "WINDOW", "render"
+    COMPAT_ENGINES, FIELDS = {"LATENT"}, ()
+    settings = staticmethod(lambda context: context.scene.latent)
 
     @classmethod
     def poll(cls, context):
-        return context.engine == "LATENT"
+        return context.engine == "LATENT" and bool(cls.settings(context))
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in self.FIELDS:
+            self.layout.prop(self.settings(context), name)
+        self.more(self.layout, context)
+
+    def more(self, layout, context):
+        pass
 
 
 class LATENT_PT_samples(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Samples", "render"
+    bl_label, FIELDS = "Samples", ("samples", "integrator", "max_depth", "record", "light_groups")
 
-    def draw(self, context):
-        layout, settings = self.layout, context.scene.latent
-        layout.use_property_split = True
-        for name in ("samples", "integrator", "max_depth", "record", "light_groups"):
-            layout.prop(settings, name)
+    def more(self, layout, _):
         if engine.last["word"]:
-            layout.label(text=engine.last["word"], icon="INFO")
+            wrapped(layout, engine.last["word"], "INFO")
 
 
 class LATENT_PT_motion(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context, bl_options = "Motion Blur", "render", {"DEFAULT_CLOSED"}
+    bl_label, bl_options = "Motion Blur", {"DEFAULT_CLOSED"}
 
     def draw_header(self, context):
         self.layout.prop(context.scene.render, "use_motion_blur", text="")
 
-    def draw(self, context):
-        self.layout.use_property_split = True
+    def more(self, layout, context):
         render = context.scene.render
-        self.layout.prop(render if hasattr(render, "motion_blur_position") else context.scene.cycles, "motion_blur_position", text="Position")
-        self.layout.prop(render, "motion_blur_shutter", text="Shutter")
+        layout.prop(render if hasattr(render, "motion_blur_position") else context.scene.cycles, "motion_blur_position", text="Position")
+        layout.prop(render, "motion_blur_shutter", text="Shutter")
 
 
 class LATENT_PT_job(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context, bl_options = "Job", "render", {"DEFAULT_CLOSED"}
+    bl_label, bl_options, FIELDS = "Job", {"DEFAULT_CLOSED"}, ("folder", "seed", "portals", "keep_time", "render_options", "develop_options")
 
-    def draw(self, context):
-        layout, settings = self.layout, context.scene.latent
-        layout.use_property_split = True
-        for name in ("folder", "seed", "portals", "keep_time", "render_options", "develop_options"):
-            layout.prop(settings, name)
+    def more(self, layout, _):
+        layout.operator("latent.clean")
 
 
 class LATENT_PT_lost(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Not exported", "render"
+    bl_label, settings = "Not exported", staticmethod(lambda _: engine.last["lost"])
 
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and bool(engine.last["lost"])
-
-    def draw(self, _):
-        for line in engine.last["lost"]:
-            self.layout.label(text=line, icon="ERROR")
+    def more(self, layout, context):
+        for line in self.settings(context):
+            wrapped(layout, line, "ERROR")
         if engine.last["wanted"]:
-            self.layout.operator("latent.bake")
+            layout.operator("latent.bake")
 
 
 class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Darkroom", "render"
+    bl_label, FIELDS = "Darkroom", ("observer", "film", "paper", "stops", "noise", "aperture", "shutter")
+    settings = staticmethod(lambda context: context.scene.latent.darkroom)
 
-    def draw(self, context):
-        layout, settings = self.layout, context.scene.latent.darkroom
-        layout.use_property_split = True
-        for name in ("observer", "film", "paper", "stops", "noise", "aperture", "shutter"):
-            layout.prop(settings, name)
-        for light in settings.mix:
+    def more(self, layout, context):
+        for light in self.settings(context).mix:
             row = layout.row(align=True)
             row.prop(light, "factor", text=light.name)
-            row.prop(light, "change", text="")
+            row.prop(light, "mute", text="", icon="HIDE_ON" if light.mute else "HIDE_OFF")
+            row.prop(light, "solo", text="", icon="SOLO_ON" if light.solo else "SOLO_OFF")
+            layout.prop(light, "change")
         row = layout.row()
         row.operator("latent.light_mix")
         row.operator("latent.develop")
@@ -94,51 +102,33 @@ class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
 
 
 class LATENT_PT_farm(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context, bl_options = "Farm", "render", {"DEFAULT_CLOSED"}
+    bl_label, bl_options, FIELDS = "Farm", {"DEFAULT_CLOSED"}, ("farm_folder",)
 
-    def draw(self, context):
-        self.layout.prop(context.scene.latent, "farm_folder")
-        row = self.layout.row()
+    def more(self, layout, _):
+        row = layout.row()
         row.operator("latent.farm", text="Plan this frame").animation = False
         row.operator("latent.farm", text="Plan all frames").animation = True
 
 
 class LATENT_PT_passes(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Passes", "view_layer"
-
-    def draw(self, context):
-        self.layout.column().prop(context.scene.latent, "layers")
+    bl_label, bl_context, FIELDS = "Passes", "view_layer", ("layers",)
 
 
 class LATENT_PT_material(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Spectra", "material"
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and context.material is not None
-
-    def draw(self, context):
-        self.layout.use_property_split = True
-        for name in ("metal", "glass", "abbe", "reflectance"):
-            self.layout.prop(context.material.latent, name)
+    bl_label, bl_context, FIELDS = "Spectra", "material", ("metal", "glass", "abbe", "reflectance")
+    settings = staticmethod(lambda context: context.material and context.material.latent)
 
 
 class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context = "Spectrum", "data"
+    bl_label, bl_context, FIELDS = "Spectrum", "data", ("spectrum",)
+    settings = staticmethod(lambda context: context.light and context.light.latent)
 
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and context.light is not None
-
-    def draw(self, context):
-        self.layout.use_property_split = True
-        settings = context.light.latent
-        self.layout.prop(settings, "spectrum")
-        if settings.spectrum in ("DAYLIGHT", "BLACKBODY"):
-            self.layout.prop(settings, "kelvin")
-        self.layout.prop(settings, "visible")
+    def more(self, layout, context):
+        if self.settings(context).spectrum in ("DAYLIGHT", "BLACKBODY"):
+            layout.prop(self.settings(context), "kelvin")
+        layout.prop(self.settings(context), "visible")
         if context.light.type == "AREA":
-            self.layout.prop(context.light, "spread")
+            layout.prop(context.light, "spread")
 
 
 CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_motion, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)

@@ -2,12 +2,9 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from . import develop
 from .darkroom import DarkroomSettings
 from .export import spectra
-
-
-def choices(*items):
-    return [(item, item.title().replace("_", " "), "") for item in items]
 
 
 class SceneSettings(bpy.types.PropertyGroup):
@@ -18,7 +15,7 @@ class SceneSettings(bpy.types.PropertyGroup):
                                                 ("XYZ", "XYZ", "Colours only: a sixth of the space")])
     light_groups: EnumProperty(name="Light groups", items=[("NONE", "None", ""), ("LAMPS", "Each lamp", "Lamps and objects that emit, by name"),
                                                            ("COLLECTIONS", "Collections", "All that is in a collection")])
-    layers: EnumProperty(name="Passes", options={"ENUM_FLAG"}, items=choices("DEPTH", "NORMAL", "POSITION", "ALBEDO", "VARIANCE"))
+    layers: EnumProperty(name="Passes", options={"ENUM_FLAG"}, items=[(name, made[0], "") for name, made in develop.PASSES.items()])
     keep_time: BoolProperty(name="Keep the time", description="Store when each sample was taken, to shorten the exposure later")
     portals: BoolProperty(name="Sky through portals only", description="Less noise indoors. The sky is black where it is seen beside a portal")
     seed: IntProperty(name="Seed", default=0, min=0)

@@ -1,4 +1,5 @@
 """Latent's programs: where they are, and what they say. Needs no Blender."""
+import functools
 import json
 import os
 import re
@@ -38,6 +39,19 @@ def last_words(text):
 
 def version(path):
     return subprocess.run([path, "--version"], capture_output=True, text=True, stdin=subprocess.DEVNULL).stdout.strip()
+
+
+@functools.lru_cache
+def listed(path, kind, option):
+    """What a program lists, such as films: a name and a line about it, of those that are for --KIND."""
+    said, found, wanted = subprocess.run([path, option], capture_output=True, text=True, stdin=subprocess.DEVNULL).stdout, [], False
+    for line in said.splitlines():
+        if not line.startswith(" "):
+            wanted = f"(--{kind})" in line
+        elif wanted and line[2] != " ":
+            name, _, what = line.strip().partition(" ")
+            found.append((name, what.strip()))
+    return found
 
 
 def run(command, progress=lambda share: None, stop=lambda: False):

@@ -18,6 +18,12 @@ namespace {
 constexpr double kLumensPerWatt = 683;  // K_m [CIE15]
 constexpr std::uint64_t kMaxTableBytes = std::uint64_t{8} << 20;
 
+std::optional<std::size_t> group_column(const sampledb::Job& job) {
+    const auto column = std::ranges::find(job.extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name);
+    if (column == job.extra.end()) return std::nullopt;
+    return static_cast<std::size_t>(column - job.extra.begin());
+}
+
 }  // namespace
 
 void Channels::see_through(std::shared_ptr<const color::Observer> observer, GroupLight& light) const {
@@ -36,9 +42,8 @@ Status Channels::add_layers(const sampledb::Job& job, const Layers& layers) {
 }
 
 Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors) {
-    const auto column = std::ranges::find(job.extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name);
-    if (column == job.extra.end() || factors.empty()) return {};
-    group_column_ = static_cast<std::size_t>(column - job.extra.begin());
+    group_column_ = group_column(job);
+    if (!group_column_) return {};
     const GroupLight plain = lights_[0];
     lights_.assign(factors.size() + 1, plain);
     for (std::size_t i = 0; i < factors.size(); ++i) {
@@ -52,6 +57,11 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
         see_through(std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1)), light);
     }
     return {};
+}
+
+void Channels::show_lights(const sampledb::Job& job, std::vector<std::string> names) {
+    group_column_ = group_column(job);
+    layout_.lights = std::move(names);
 }
 
 Status Channels::weigh(const sampledb::Job& job, const LensChoice& choice) {
@@ -132,13 +142,13 @@ sampledb::ColumnSet Channels::columns() const {
     return {.samples = layout_.layers.by_sample() || layout_.layers.halves, .extra = extra};
 }
 
-const Channels::GroupLight& Channels::light_of(const sampledb::Page& page, std::size_t row) const {
-    if (!group_column_) return lights_[0];
+std::size_t Channels::group_of(const sampledb::Page& page, std::size_t row) const {
+    if (!group_column_) return 0;
     const sampledb::ExtraColumn& column = page.extra[*group_column_];
     const std::size_t bytes = sampledb::width(column.type);
     std::size_t group = 0;
     for (std::size_t i = bytes; i-- > 0;) group = group << 8 | static_cast<std::size_t>(column.values[row * bytes + i]);
-    return lights_[std::min(group, lights_.size() - 1)];
+    return group;
 }
 
 void Channels::add_pair(const GroupLight& light, float lambda_nm, float power, float* out) const {
@@ -178,7 +188,9 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
         std::size_t next = row + 1;
         for (; (camera ? layout_.layers.by_sample() : layout_.layers.samples) && next < end && same(row, next); ++next) {
             float* const other = out + static_cast<std::ptrdiff_t>(next - begin) * step;
-            for (int entry = 0; entry < layout_.filled(); ++entry) first[entry] += std::exchange(other[entry], 0.0f);
+            const auto move = [&](int entry) { first[entry] += std::exchange(other[entry], 0.0f); };
+            for (int entry = 0; entry < layout_.filled(); ++entry) move(entry);
+            for (int entry = layout_.light(0); entry < layout_.albedo(); ++entry) move(entry);
         }
         if (layout_.layers.halves && half_of(page.sample[row]) == 0) std::copy_n(first, layout_.linear(), first + layout_.half());
         if (layout_.layers.variance && camera) {
@@ -212,7 +224,8 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
         const float lens_value = weighed ? factors.value[row - begin] : 1;
         if (lens_value == 0) continue;
         float share = sampledb::share_of(page, row) * (weighed ? factors.share[row - begin] : 1);
-        const GroupLight& light = light_of(page, row);
+        const std::size_t group = group_of(page, row);
+        const GroupLight& light = lights_[std::min(group, lights_.size() - 1)];
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];
             out[1] = page.y[row];
@@ -230,6 +243,7 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
             if (!std::isfinite(share)) share = 0;
         }
         out[n] = share;
+        if (group < layout_.lights.size()) std::copy_n(out, n, out + layout_.light(group));
         if (layout_.layers.aovs() && share > 0) aovs_.fill(page, row, share, layout_, out);
         if (white_ && share > 0) {
             const std::array<float, 3> white = (*white_)(page.xi[row]);

@@ -40,6 +40,8 @@ class Channels {
     Status add_layers(const sampledb::Job& job, const Layers& layers);
     // Multiplies the records of each group of lights. Errors: kUsage for curves in XYZ jobs.
     Status mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors);
+    // Names of the groups that are layers, in the order of their numbers; each is that group's part of the mix.
+    void show_lights(const sampledb::Job& job, std::vector<std::string> names);
 
     // Weighs records by where and when they met the lens; those of no weight become rows of zeros. Errors: of LensWeights::make.
     Status weigh(const sampledb::Job& job, const LensChoice& choice);
@@ -69,7 +71,7 @@ class Channels {
         BatchResponse response{};
     };
     void see_through(std::shared_ptr<const color::Observer> observer, GroupLight& light) const;
-    const GroupLight& light_of(const sampledb::Page& page, std::size_t row) const;
+    std::size_t group_of(const sampledb::Page& page, std::size_t row) const;
     void spectral_row(const GroupLight& light, const sampledb::Page& page, std::size_t row, float* out) const;
     void add_pair(const GroupLight& light, float lambda_nm, float power, float* out) const;
     void complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;

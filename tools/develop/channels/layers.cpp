@@ -16,9 +16,9 @@ std::uint64_t mix(std::uint64_t z) {
     return z ^ (z >> 31);
 }
 
-constexpr Switch<Layers> kNames[] = {{"variance", &Layers::variance}, {"weight", &Layers::weight}, {"count", &Layers::count},
-                                     {"albedo", &Layers::albedo},     {"normal", &Layers::normal}, {"depth", &Layers::depth},
-                                     {"position", &Layers::position}, {"id", &Layers::id}};
+constexpr Switch<Layers> kNames[] = {{"variance", &Layers::variance}, {"weight", &Layers::weight},     {"count", &Layers::count},
+                                     {"lights", &Layers::lights},     {"albedo", &Layers::albedo},     {"normal", &Layers::normal},
+                                     {"depth", &Layers::depth},       {"position", &Layers::position}, {"id", &Layers::id}};
 
 }  // namespace
 
@@ -55,13 +55,14 @@ std::uint64_t count_in_half(const sampledb::Coverage& coverage, int half) {
 
 std::vector<std::string> RowLayout::names(const std::vector<std::string>& channel_names) const {
     std::vector<std::string> all = channel_names;
-    const auto add = [&](const char* layer) {
+    const auto add = [&](std::string_view layer) {
         for (const std::string& name : channel_names) all.push_back(fmt::format("{}.{}", layer, name));
     };
     if (layers.variance) add("variance");
     if (layers.weight) all.emplace_back("weight");
     if (layers.count) all.emplace_back("count");
     if (layers.halves) add("half0"), add("half1");
+    for (const std::string& light : lights) add("light." + light);
     const auto add_aov = [&](bool wanted, std::initializer_list<const char*> names) {
         if (wanted) all.insert(all.end(), names.begin(), names.end());
     };

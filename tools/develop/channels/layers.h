@@ -17,18 +17,19 @@ struct Layers {
     bool weight = false;    // sum w c
     bool count = false;     // samples that reach the pixel
     bool halves = false;    // the same picture of either half of the samples
+    bool lights = false;    // the same picture by the light of each group alone
     // AOVs, of columns that the files have (aov_columns.h).
     bool albedo = false, normal = false, depth = false, position = false, id = false;
     std::vector<std::string> columns{};  // further columns of the files, by their names
     bool samples = false;                // no layer, but records of one sample become one, of light images too
 
     bool aovs() const { return albedo || normal || depth || position || id || !columns.empty(); }
-    bool any() const { return variance || weight || count || halves || aovs(); }
+    bool any() const { return variance || weight || count || halves || lights || aovs(); }
     bool by_sample() const { return variance || count || samples; }  // camera records of one sample count as one
     bool operator==(const Layers&) const = default;
 };
 
-// "variance,weight,count,albedo,normal,depth,position,id", in any order; any other name is that of a column. Errors: kUsage.
+// "variance,weight,count,lights,albedo,normal,depth,position,id", in any order; any other name is that of a column. Errors: kUsage.
 // Halves are an option of their own.
 Result<Layers> parse_layers(std::string_view text);
 
@@ -72,20 +73,23 @@ inline void add_sums(const EntryCounts& entries, const double* from, double* to,
 
 // Where things stand in a row of `channels` values s with their share c, which divides them; with the ratio estimator, each has a
 // divisor d of its own:
-//   s.. c [d..] 0..  [the same for half 0]  [AOVs, times c]  [s^2.. s c.. c^2 0..] or [s^2.. s d.. d^2.. 0..]  [1 0 0 0]
-//   [1 object material 0]
+//   s.. c [d..] 0..  [the same for half 0]  [s.. 0.. for each group of lights]  [AOVs, times c]  [s^2.. s c.. c^2 0..] or [s^2.. s
+//   d.. d^2.. 0..]  [1 0 0 0] [1 object material 0]
 struct RowLayout {
     int channels = 3;
     Layers layers;
     bool ratio = false;
+    std::vector<std::string> lights{};  // names of the groups, if they are layers
 
     int divisors() const { return ratio ? channels : 1; }
     int share() const { return channels; }
     int divisor(int channel) const { return ratio ? channels + 1 + channel : channels; }
     int filled() const { return channels + 1 + (ratio ? channels : 0); }
     int linear() const { return (filled() + 3) / 4 * 4; }
-    int half() const { return linear(); }                              // where half 0 begins
-    int albedo() const { return linear() * (layers.halves ? 2 : 1); }  // x, y, z
+    int half() const { return linear(); }  // where half 0 begins
+    int light(std::size_t group) const { return linear() * (layers.halves ? 2 : 1) + static_cast<int>(group) * light_entries(); }
+    int light_entries() const { return (channels + 3) / 4 * 4; }  // of each group: a record adds to one of them, in whole vectors
+    int albedo() const { return light(lights.size()); }           // x, y, z
     int normal() const { return albedo() + (layers.albedo ? 3 : 0); }
     int depth() const { return normal() + (layers.normal ? 3 : 0); }   // and 1 where there is any
     int position() const { return depth() + (layers.depth ? 2 : 0); }  // and 1 where there is any
@@ -105,14 +109,14 @@ struct RowLayout {
         return least;
     }
 
-    // Values of a finished pixel: channels, [variances], [weight], [count], [half 0], [half 1], [AOVs].
+    // Values of a finished pixel: channels, [variances], [weight], [count], [half 0], [half 1], [groups of lights], [AOVs].
     int outputs() const {
-        return channels * (1 + (layers.variance ? 1 : 0) + (layers.halves ? 2 : 0)) + (layers.weight ? 1 : 0) +
-               (layers.count ? 1 : 0) + (layers.albedo ? 3 : 0) + (layers.normal ? 3 : 0) + (layers.depth ? 1 : 0) +
-               (layers.position ? 3 : 0) + (layers.id ? 2 : 0) + static_cast<int>(layers.columns.size());
+        return channels * (1 + (layers.variance ? 1 : 0) + (layers.halves ? 2 : 0) + static_cast<int>(lights.size())) +
+               (layers.weight ? 1 : 0) + (layers.count ? 1 : 0) + (layers.albedo ? 3 : 0) + (layers.normal ? 3 : 0) +
+               (layers.depth ? 1 : 0) + (layers.position ? 3 : 0) + (layers.id ? 2 : 0) + static_cast<int>(layers.columns.size());
     }
-    // Their names in an EXR: those of the channels, "variance.R", "weight", "count", "half0.R", "half1.R", "albedo.R", "N.X", "Z",
-    // "P.X", "id.object", "id.material", then columns by their names, "extra.NAME" where the name is taken.
+    // Their names in an EXR: those of the channels, "variance.R", "weight", "count", "half0.R", "half1.R", "light.lamp.R",
+    // "albedo.R", "N.X", "Z", "P.X", "id.object", "id.material", then columns by their names, "extra.NAME" where the name is taken.
     std::vector<std::string> names(const std::vector<std::string>& channel_names) const;
 };
 

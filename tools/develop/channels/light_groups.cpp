@@ -34,20 +34,33 @@ std::vector<LightGroup> light_groups_in(std::string_view origin) {
     return groups;
 }
 
-}  // namespace
-
-Result<std::vector<LightGroup>> light_groups_of(const sampledb::RunSet& run_set) {
+Result<std::vector<LightGroup>> named_groups(const sampledb::RunSet& run_set) {
     if (std::ranges::find(run_set.job().extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name) == run_set.job().extra.end())
-        return usage_error("--light: the files have no light groups; render the scene with --light-groups");
+        return usage_error("the files have no light groups; render the scene with --light-groups");
     std::vector<LightGroup> groups;
     const auto take = [&](std::string_view origin) {
         if (groups.empty()) groups = light_groups_in(origin);
     };
     if (Status s = for_each_origin(run_set, take); !s) return s.error();
-    if (!groups.empty()) return groups;
-    std::vector<LightGroup> numbered;
-    for (int i = 0; i < 256; ++i) numbered.push_back({std::to_string(i)});
-    return numbered;
+    return groups;
+}
+
+}  // namespace
+
+Result<std::vector<LightGroup>> light_groups_of(const sampledb::RunSet& run_set) {
+    Result<std::vector<LightGroup>> groups = named_groups(run_set);
+    if (!groups || !groups->empty()) return groups;
+    for (int i = 0; i < 256; ++i) groups->push_back({std::to_string(i)});
+    return groups;
+}
+
+Result<std::vector<std::string>> names_of_lights(const sampledb::RunSet& run_set) {
+    const Result<std::vector<LightGroup>> groups = named_groups(run_set);
+    if (!groups) return groups.error();
+    if (groups->empty()) return usage_error("the files do not name their light groups");
+    std::vector<std::string> names;
+    for (const LightGroup& group : *groups) names.push_back(group.name);
+    return names;
 }
 
 }  // namespace latent::develop

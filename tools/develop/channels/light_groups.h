@@ -23,5 +23,7 @@ struct LightGroup {
 // In the order of their numbers. The names are in the provenance of the files, where latent-render puts them; without any, groups
 // are called by their numbers. Errors: of reading; kUsage if the job has no groups.
 Result<std::vector<LightGroup>> light_groups_of(const sampledb::RunSet& run_set);
+// Errors: as above; kUsage if the files do not name them.
+Result<std::vector<std::string>> names_of_lights(const sampledb::RunSet& run_set);
 
 }  // namespace latent::develop

@@ -98,6 +98,11 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
             put(from_camera + (light ? sum_of(light, c) * row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)] : 0));
         }
     }
+    for (std::size_t group = 0; group < layout.lights.size(); ++group) {
+        const int first = layout.light(group);
+        for (int c = 0; c < n; ++c)
+            put((camera ? camera[first + c] * per_divisor(c) : 0) + (light ? light[first + c] * row.light_scale[i] : 0));
+    }
     if (layout.layers.aovs()) finish_aovs(layout, enough ? camera : nullptr, out);
     return enough;
 }

@@ -58,7 +58,9 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
     for (int entry = 0; entry < shape.added(); entry += static_cast<int>(hn::Lanes(d))) {
-        auto s = hn::PromoteTo(d, hn::LoadU(df, values + entry));
+        const auto value = hn::LoadU(df, values + entry);
+        if (Shape::kMayBeSquared && entry > 0 && hn::AllTrue(df, hn::Eq(value, hn::Zero(df)))) continue;  // it adds nothing
+        auto s = hn::PromoteTo(d, value);
         if constexpr (Shape::kWeights == Weights::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side())));
         double* row = window + entry;
         const double* w = weights;

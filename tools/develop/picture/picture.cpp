@@ -214,9 +214,14 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     if (options.ratio) {
         if (Status s = channels->use_ratio(); !s) return s.error();
     }
+    if (layers.lights) {
+        Result<std::vector<std::string>> names = names_of_lights(run_set);
+        if (!names) return names.error().at("--layers lights");
+        channels->show_lights(job, *std::move(names));
+    }
     if (!options.lights.empty()) {
         const Result<std::vector<LightGroup>> groups = light_groups_of(run_set);
-        if (!groups) return groups.error();
+        if (!groups) return groups.error().at("--light");
         const Result<std::vector<GroupFactor>> factors = mix_lights(*groups, options.lights, report.warnings);
         if (!factors) return factors.error();
         if (Status s = channels->mix_lights(job, *factors); !s) return s.error();

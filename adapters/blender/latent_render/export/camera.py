@@ -1,6 +1,8 @@
 """The camera and the film. Blender's camera looks along -z, pbrt's along +z with x to the right: one axis is mirrored."""
 import math
 
+import numpy as np
+
 from .pbrt import directive, matrix
 
 
@@ -28,22 +30,15 @@ def export(scene, owner, poses, shutter, report):
     else:
         lines.append(matrix(world_to_camera[0]))
     parameters = {"float shutteropen": shutter[0], "float shutterclose": shutter[1]} if len(poses) > 1 else {}
-    # The corners of the picture, at the distance of the frame: shift, sensor and aspect are in them.
-    frame = data.view_frame(scene=scene)
-    left, right = min(c.x for c in frame), max(c.x for c in frame)
-    low, high = min(c.y for c in frame), max(c.y for c in frame)
     if data.type == "PANO":
-        kind = getattr(data, "panorama_type", None) or data.cycles.panorama_type
-        if kind != "EQUIRECTANGULAR":
-            report.lost(f"camera {owner.name}", f"panorama {kind.lower()} is equirectangular")
+        panorama = data if hasattr(data, "panorama_type") else data.cycles
+        if panorama.panorama_type != "EQUIRECTANGULAR":
+            report.lost(f"camera {owner.name}", f"panorama {panorama.panorama_type.lower()} is equirectangular, the only one")
+        elif panorama.longitude_max - panorama.longitude_min < 6.28 or panorama.latitude_max - panorama.latitude_min < 3.14:
+            report.lost(f"camera {owner.name}", "its panorama goes all around, whatever its latitudes and longitudes")
         return [*lines, directive("Camera", "spherical", **{"string mapping": "equirectangular", **parameters})]
-    if data.type == "ORTHO":
-        scale = 1.0
-        kind = "orthographic"
-    else:
-        scale, kind = 1 / -frame[0].z, "perspective"
-        parameters["float fov"] = 90.0
-    parameters["float screenwindow"] = [left * scale, right * scale, low * scale, high * scale]
+    kind = "orthographic" if data.type == "ORTHO" else "perspective"
+    parameters |= {"float screenwindow": window(scene, data), **({"float fov": 90.0} if kind == "perspective" else {})}
     if data.dof.use_dof and data.type == "ORTHO":
         report.lost(f"camera {owner.name}", "an orthographic camera has no depth of field")
     elif data.dof.use_dof:
@@ -57,16 +52,31 @@ def export(scene, owner, poses, shutter, report):
     return [*lines, directive("Camera", kind, **parameters)]
 
 
+def window(scene, data):
+    """Left, right, low and high of the picture, in perspective at a distance of 1. Shift, sensor and aspect are in them."""
+    frame = data.view_frame(scene=scene)
+    scale = 1.0 if data.type == "ORTHO" else 1 / -frame[0].z
+    return [scale * pick(corner[i] for corner in frame) for i in (0, 1) for pick in (min, max)]
+
+
+def depth_per_distance(scene):
+    """Latent's depth is a distance from the camera, Blender's lies along its axis: (height, width) factors."""
+    data, (width, height) = scene.camera.data, size(scene)
+    if data.type != "PERSP":
+        return np.float32(1)
+    left, right, low, high = window(scene, data)
+    x, y = left + (np.arange(width) + 0.5) / width * (right - left), high + (np.arange(height) + 0.5) / height * (low - high)
+    return (1 / np.sqrt(1 + x**2 + y[:, None] ** 2)).astype(np.float32)
+
+
 def sees(scene, owner, center, radius):
     """Whether a ball may be in the picture; what hides it does not count."""
     data, place = owner.data, owner.matrix_world.normalized().inverted() @ center
-    frame, depth = data.view_frame(scene=scene), -place.z
     if data.type == "PANO":
         return True
-    if depth + radius <= 0:
-        return False
-    scale = 1.0 if data.type == "ORTHO" else max(depth, 1e-6) / -frame[0].z
-    return all(min(c[i] for c in frame) * scale - radius <= place[i] <= max(c[i] for c in frame) * scale + radius for i in (0, 1))
+    scale = 1.0 if data.type == "ORTHO" else max(-place.z, 1e-6)
+    left, right, low, high = (scale * side for side in window(scene, data))
+    return -place.z + radius > 0 and left - radius <= place.x <= right + radius and low - radius <= place.y <= high + radius
 
 
 def mirrored(inverse):

@@ -3,6 +3,7 @@ import math
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from . import ies, spectra
 from .nodes import Graph, is_constant
@@ -28,7 +29,7 @@ def strength(lamp, report):
         return color, None
     lost = lambda what: report.lost(f"lamp {lamp.name}", what)  # noqa: E731
     graph = Graph(lamp.node_tree, lost)
-    output = next((node for node in lamp.node_tree.nodes if node.type == "OUTPUT_LIGHT" and node.is_active_output), None)
+    output = graph.output("OUTPUT_LIGHT")
     found = graph.source(output.inputs["Surface"]) if output else None
     if not found or found[0].type != "EMISSION":
         lost("its nodes are ignored: no Emission leads to the output")
@@ -89,7 +90,6 @@ class Lamp:
         visible = self.settings.visible == "ALWAYS" or (self.settings.visible == "AUTO" and not self.sees(center, radius))
         hidden = {} if visible else {"float alpha": 0.0}
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more), shape(hidden)]
-
 
     def by_direction(self, pose, share=1.0):
         """A lamp with a profile. `share`: another factor, by row."""
@@ -153,10 +153,13 @@ def sun(lamp, pose):
 AREA_FACTOR = math.pi if bpy.app.version >= (4, 0, 0) else 4.0
 
 
+def sides(data):
+    return data.size, data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+
+
 def area(lamp, pose):
     data = lamp.lamp
-    wide = data.size
-    high = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+    wide, high = sides(data)
     stretch = pose.to_scale()
     wide, high = wide * abs(stretch.x), high * abs(stretch.y)
     surface = wide * high * (math.pi / 4 if data.shape in ("DISK", "ELLIPSE") else 1)
@@ -190,11 +193,7 @@ MAKERS = {"POINT": point, "SPOT": spot, "SUN": sun, "AREA": area}
 
 def portal(owner, pose):
     """Corners of a portal, in the world: a sky shines through it alone."""
-    data = owner.data
-    high = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
-    x, y = data.size / 2, high / 2
-    from mathutils import Vector
-
+    x, y = (side / 2 for side in sides(owner.data))
     return [pose @ Vector(corner) for corner in ((-x, -y, 0), (-x, y, 0), (x, y, 0), (x, -y, 0))]
 
 

@@ -2,8 +2,9 @@
 import math
 from dataclasses import dataclass, field
 
-from . import spectra
-from .nodes import BLACK, WHITE, Constant, Graph, Picture, Unknown, constant, each, is_constant, mix, parameter, product
+from . import spectra, volumes
+from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, each, is_constant, mix, parameter, product
+from .pbrt import directive
 from .pictures import Places
 
 
@@ -27,7 +28,6 @@ class Exported:
     emits: bool
     alpha: dict
     places: Places
-    key: str
 
 
 MATT_BLACK = ("diffuse", {"rgb reflectance": [0.0, 0.0, 0.0]})
@@ -59,10 +59,6 @@ class Reader:
     def set(self, name, kind, value):
         return parameter(self.document, name, kind, value)
 
-    def named(self, material):
-        """Of a part of a mixture."""
-        return self.document.material(*(material or MATT_BLACK))
-
     # What is added to a material of any type.
     def relief(self, node, *names):
         """Parameters of a bump or normal map."""
@@ -82,8 +78,7 @@ class Reader:
             return self.set("displacement", "float", product(height, constant(depth)))
         if node.type == "NORMAL_MAP":
             value = self.graph.of(node, "Color")
-            plain = isinstance(value, Picture) and not any("uscale vscale udelta vdelta".find(key.split()[1]) >= 0 for key in value.parameters)
-            if node.space != "TANGENT" or not plain:
+            if node.space != "TANGENT" or not isinstance(value, Picture) or value.is_moved:
                 self.graph.lost("a normal map that is not a tangent-space picture of the first UV map is left out")
                 return {}
             if abs(self.number(node, "Strength") - 1) > 1e-3:
@@ -102,18 +97,8 @@ def diffuse(reader, node):
     return Surface(("diffuse", {**reader.set("reflectance", "spectrum", reader.value(node, "Color")), **reader.relief(node)}))
 
 
-def translucent(reader, node):
-    return Surface(("diffusetransmission", {"rgb reflectance": [0.0, 0.0, 0.0], **reader.set("transmittance", "spectrum", reader.value(node, "Color"))}))
-
-
 def roughness(reader, node):
     return reader.value(node, "Roughness") if getattr(node, "distribution", "") != "SHARP" else BLACK
-
-
-def alpha_axes(alpha, anisotropy):
-    """Of Cycles' Principled BSDF: along the tangent and across it."""
-    aspect = math.sqrt(1 - 0.9 * min(1.0, max(0.0, anisotropy)))
-    return alpha / aspect, alpha * aspect
 
 
 def glossy(reader, node):
@@ -123,20 +108,14 @@ def glossy(reader, node):
     metal = spectra.metal(reader.settings)
     anisotropy = reader.number(node, "Anisotropy") if "Anisotropy" in node.inputs else 0.0
     if (metal or anisotropy) and is_constant(rough):
-        along, across = glossy_axes(rough.number() ** 2, anisotropy)
+        alpha, squeeze = rough.number() ** 2, min(0.99, abs(anisotropy))
         look = metal or reader.set("reflectance", "spectrum", color)
-        return Surface(("conductor", {**look, "float uroughness": along, "float vroughness": across, "bool remaproughness": False, **reader.relief(node)}))
+        return Surface(("conductor", {**look, "float uroughness": alpha / (1 - squeeze), "float vroughness": alpha / (1 + squeeze), "bool remaproughness": False, **reader.relief(node)}))
     most = min(1.0, max(color.rgb)) if is_constant(color) else 1.0
     if is_constant(color) and most > 0:
         color = each(lambda c: c / most, color)
     return Surface(("latent:principled", {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most,
                                           **reader.set("specularcolor", "spectrum", color), **reader.set("roughness", "float", rough), **reader.relief(node)}))
-
-
-def glossy_axes(alpha, anisotropy):
-    """Of Cycles' Glossy BSDF."""
-    anisotropy = min(0.99, max(-0.99, anisotropy))
-    return (alpha / (1 + anisotropy), alpha / (1 - anisotropy))[:: 1 if anisotropy <= 0 else -1] if anisotropy else (alpha, alpha)
 
 
 def glass(reader, node):
@@ -160,10 +139,6 @@ def transparent(reader, node):
         reader.graph.lost("the colour of a Transparent BSDF is grey")
     share = color.number() if is_constant(color) else 1.0
     return Surface(None, alpha=constant(1 - share))
-
-
-def emission(reader, node):
-    return Surface(None, [(reader.value(node, "Color"), reader.value(node, "Strength"))])
 
 
 def subsurface(reader, node):
@@ -229,7 +204,8 @@ def principled(reader, node):
         parameters |= reader.set("specularcolor", "spectrum", tint)
     anisotropy = number("Anisotropic")
     if anisotropy > 0 and "float roughness" in parameters:
-        along, across = alpha_axes(parameters["float roughness"] ** 2, anisotropy)
+        alpha, aspect = parameters["float roughness"] ** 2, math.sqrt(1 - 0.9 * min(1.0, anisotropy))
+        along, across = alpha / aspect, alpha * aspect  # the tangent, and across it
         parameters["float roughness"] = math.sqrt(across)
         parameters["float anisotropy"] = math.sqrt(min(1.0, max(0.0, (along - across) / max(1e-6, 1 - across))))
         parameters["float anisotropyrotation"] = 360.0 * number("Anisotropic Rotation")
@@ -297,7 +273,7 @@ PRINCIPLED = [
 ]
 
 
-def fresnel_pair(reader, node, first, second):
+def fresnel_pair(reader, node):
     """Diffuse below gloss, mixed by Fresnel: how plastic was made before the Principled BSDF."""
     found = reader.graph.source(node.inputs[0])
     kinds = [reader.graph.source(socket) for socket in node.inputs[1:3]]
@@ -312,7 +288,7 @@ def fresnel_pair(reader, node, first, second):
 
 def mixed(reader, node):
     around = reader.graph.groups
-    plastic = fresnel_pair(reader, node, *node.inputs[1:3])
+    plastic = fresnel_pair(reader, node)
     reader.graph.groups = around
     if plastic:
         return plastic
@@ -323,18 +299,23 @@ def mixed(reader, node):
             return second if amount.number() else first
     rest = each(lambda c: 1 - c, amount) if is_constant(amount) else mix(WHITE, BLACK, amount)
     if second.is_clear:
-        return Surface(first.material, weighted(reader, first.emission, constant(1)), product(first.alpha, rest))
+        return Surface(first.material, weighted(first.emission, constant(1)), product(first.alpha, rest))
     if first.is_clear:
-        return Surface(second.material, weighted(reader, second.emission, constant(1)), product(second.alpha, amount))
-    emitted = weighted(reader, first.emission, rest) + weighted(reader, second.emission, amount)
-    alpha = mix(first.alpha, second.alpha, amount) if not is_constant(first.alpha, second.alpha) or first.alpha != second.alpha else first.alpha
+        return Surface(second.material, weighted(second.emission, constant(1)), product(second.alpha, amount))
+    emitted = weighted(first.emission, rest) + weighted(second.emission, amount)
+    alpha = mix(first.alpha, second.alpha, amount)
     if not first.material and not second.material:
         return Surface(None, emitted, alpha)
-    share = {"texture amount": reader.set("amount", "float", amount)["texture amount"]} if not is_constant(amount) else {"float amount": amount.number()}
-    return Surface(("mix", {"string materials": [reader.named(first.material), reader.named(second.material)], **share}), emitted, alpha)
+    return Surface(mixture(reader, first, second, amount), emitted, alpha)
 
 
-def weighted(reader, emission, amount):
+def mixture(reader, first, second, amount):
+    """A part that reflects nothing is black."""
+    names = [reader.document.material(*(part.material or MATT_BLACK)) for part in (first, second)]
+    return "mix", {"string materials": names, **reader.set("amount", "float", amount)}
+
+
+def weighted(emission, amount):
     return [(color, product(strength, amount)) for color, strength in emission]
 
 
@@ -344,8 +325,7 @@ def added(reader, node):
     emitted = first.emission + second.emission
     if first.material and second.material:
         reader.graph.lost("Add Shader of two surfaces is their mixture, half of each")
-        names = [reader.named(first.material), reader.named(second.material)]
-        return Surface(("mix", {"string materials": names, "float amount": 0.5}), emitted, alpha)
+        return Surface(mixture(reader, first, second, constant(0.5)), emitted, alpha)
     return Surface(first.material or second.material, emitted, alpha)
 
 
@@ -356,7 +336,8 @@ def matt(reader, node):
 
 SHADERS = {
     "BSDF_DIFFUSE": diffuse,
-    "BSDF_TRANSLUCENT": translucent,
+    "BSDF_TRANSLUCENT": lambda reader, node: Surface(("diffusetransmission", {"rgb reflectance": [0.0, 0.0, 0.0],
+                                                                              **reader.set("transmittance", "spectrum", reader.value(node, "Color"))})),
     "BSDF_GLOSSY": glossy,
     "BSDF_ANISOTROPIC": glossy,
     "BSDF_METALLIC": glossy,
@@ -369,7 +350,7 @@ SHADERS = {
     "BSDF_SHEEN": matt,
     "BSDF_TOON": matt,
     "SUBSURFACE_SCATTERING": subsurface,
-    "EMISSION": emission,
+    "EMISSION": lambda reader, node: Surface(None, [(reader.value(node, "Color"), reader.value(node, "Strength"))]),
     "MIX_SHADER": mixed,
     "ADD_SHADER": added,
 }
@@ -378,23 +359,16 @@ SHADERS = {
 # ----- whole materials
 
 
-def active_output(tree):
-    outputs = [node for node in tree.nodes if node.type == "OUTPUT_MATERIAL" and node.target in ("ALL", "CYCLES")]
-    return next((node for node in outputs if node.is_active_output), outputs[0] if outputs else None)
-
-
 def export(document, material, report, files, light_name):
     """What an object of this material (None: the default) is written with."""
-    from . import volumes
-
     if material is None or not (getattr(material, "use_nodes", True) and material.node_tree):
         color = list(material.diffuse_color)[:3] if material else [0.8, 0.8, 0.8]
         name = document.material("diffuse", {"rgb reflectance": color})
-        return Exported([f'NamedMaterial "{name}"'], False, {}, Places(Unknown), name)
-    places = Places(Unknown)
+        return Exported([f'NamedMaterial "{name}"'], False, {}, Places())
+    places = Places()
     graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files, material)
     reader = Reader(document, graph, material.latent)
-    output = active_output(material.node_tree)
+    output = graph.output("OUTPUT_MATERIAL")
     surface = reader.shader(output.inputs["Surface"]) if output else Surface(DEFAULT)
     if output and output.inputs["Displacement"].is_linked:
         graph.lost("displacement is left out; use a modifier, or a Bump node")
@@ -404,32 +378,28 @@ def export(document, material, report, files, light_name):
         lines.append(f'MediumInterface "{medium}" ""')
     only_volume = bool(medium) and output and not output.inputs["Surface"].is_linked
     if only_volume or surface.is_clear:
-        name = "interface"
         lines.append('Material "interface"')
     else:
         kind, parameters = surface.material or MATT_BLACK
         parameters = {**parameters, **spectra.reflectance(material.latent, kind, parameters)}
         name = document.material(kind, parameters)
         lines.append(f'NamedMaterial "{name}"')
-    lamps = [area_light(document, graph, color, strength, light_name) for color, strength in surface.emission]
-    lamps = [lamp for lamp in lamps if lamp]
+    lamps = [lamp for lamp in (area_light(graph, color, strength, light_name) for color, strength in surface.emission) if lamp]
     if len(lamps) > 1:
         graph.lost("of several emissions, only the first remains")
     lines += lamps[:1]
     alpha = {} if is_constant(surface.alpha) and surface.alpha.number() == 1 or surface.is_clear else parameter(document, "alpha", "float", surface.alpha)
-    return Exported(lines, bool(lamps), alpha, places, "|".join(lines))
+    return Exported(lines, bool(lamps), alpha, places)
 
 
-def area_light(document, graph, color, strength, name):
+def area_light(graph, color, strength, name):
     """Of a surface that emits on both sides. Radiances are in W/(m^2 sr), as Cycles'."""
-    from .pbrt import directive
-
     if not is_constant(strength):
         graph.lost("the texture of the strength of an emission is its mean, 1")
         strength = WHITE
     scale = strength.number()
     common = {"bool twosided": True, "string name": name}
-    if isinstance(color, Picture) and not any("uscale vscale udelta vdelta".find(key.split()[1]) >= 0 for key in color.parameters):
+    if isinstance(color, Picture) and not color.is_moved:
         return directive("AreaLightSource", "diffuse", **{"string filename": color.parameters["string filename"], "float scale": scale, **common})
     if not is_constant(color):
         graph.lost("the texture of an emission is white")

@@ -2,8 +2,8 @@
 import math
 from dataclasses import dataclass
 
-from . import pictures
-
+from .pictures import Picture, picture
+from .report import Unknown
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
@@ -15,25 +15,6 @@ class Constant:
     def number(self):
         """A colour as a number, as Blender has it: its luminance."""
         return self.rgb[0] if len(set(self.rgb)) == 1 else sum(c * w for c, w in zip(self.rgb, LUMINANCE))
-
-
-@dataclass
-class Picture:
-    parameters: dict  # of imagemap
-    of_color: bool = True
-
-
-@dataclass
-class Mix:
-    first: object
-    second: object
-    amount: object
-
-
-@dataclass
-class Scaled:
-    value: object
-    factor: object
 
 
 @dataclass
@@ -65,23 +46,12 @@ def parameter(document, name, kind, value):
 
 def define(document, kind, value):
     """The name of the texture that is `value`."""
-    if isinstance(value, Constant):
-        return document.texture(kind, "constant", parameter(document, "value", kind, value))
     if isinstance(value, Picture):
         return document.texture(kind, "imagemap", value.parameters)
-    if isinstance(value, Mix):
-        return document.texture(kind, "mix", {**parameter(document, "tex1", kind, value.first), **parameter(document, "tex2", kind, value.second),
-                                              **parameter(document, "amount", "float", value.amount)})
-    if isinstance(value, Scaled):
-        return document.texture(kind, "scale", {**parameter(document, "tex", kind, value.value), **parameter(document, "scale", "float", value.factor)})
     inputs = {}
     for name, inner in value.inputs.items():
-        inputs |= parameter(document, name, kind, inner)
+        inputs |= parameter(document, name, "float" if name in ("amount", "scale") else kind, inner)
     return document.texture(kind, value.kind, {**value.parameters, **inputs})
-
-
-class Unknown(Exception):
-    """A node that Latent cannot say."""
 
 
 class Graph:
@@ -92,6 +62,11 @@ class Graph:
         self.groups = []  # around the node that is being read
 
     # ----- links
+
+    def output(self, kind):
+        """The node that Cycles takes for the end."""
+        nodes = [node for node in self.tree.nodes if node.type == kind and getattr(node, "target", "ALL") in ("ALL", "CYCLES")]
+        return next((node for node in nodes if node.is_active_output), nodes[0] if nodes else None)
 
     def source(self, socket):
         """The node and the output that feed an input, through reroutes, groups and muted nodes; None if nothing does."""
@@ -150,7 +125,7 @@ class Graph:
                 raise Unknown(f"node {node.bl_label}")
             return read(self, node, output)
         except Unknown as unknown:
-            baked = self.files and self.files.baked(self, node, output, Picture)
+            baked = self.files and self.files.baked(self, node, output)
             if baked:
                 return baked
             self.lost(f"{unknown} is replaced by a constant")
@@ -190,7 +165,9 @@ def mix(first, second, amount):
         return each(lambda a, b, t: a + (b - a) * t, first, second, amount)
     if is_constant(amount) and amount.number() in (0.0, 1.0):
         return second if amount.number() else first
-    return Mix(first, second, amount)
+    if first == second:
+        return first
+    return Pattern("mix", {}, {"tex1": first, "tex2": second, "amount": amount})
 
 
 def product(first, second):
@@ -199,13 +176,10 @@ def product(first, second):
     if is_constant(first):
         first, second = second, first
     if is_constant(second) and len(set(second.rgb)) > 1:
-        return Mix(BLACK, second, first) if isinstance(first, Picture) and not first.of_color else tinted(first, second)
-    return Scaled(first, second)
-
-
-def tinted(value, color):
-    """A coloured texture times a colour. pbrt scales by numbers alone."""
-    raise Unknown("a colour times a picture")
+        if not isinstance(first, Picture) or first.of_color:  # pbrt scales by numbers alone
+            raise Unknown("a colour times a picture")
+        return mix(BLACK, second, first)
+    return Pattern("scale", {}, {"tex": first, "scale": second})
 
 
 BLENDS = {
@@ -276,7 +250,7 @@ def math_node(graph, node, _):
     if node.operation == "MULTIPLY":
         return clamped(product(first, second), node.use_clamp)
     if node.operation == "SUBTRACT" and is_constant(first) and first.number() == 1 and not is_constant(second):
-        return Mix(WHITE, BLACK, second)
+        return mix(WHITE, BLACK, second)
     if node.operation not in MATHS:
         raise Unknown(f"Math ({node.operation.lower()})")
     return clamped(arithmetic(MATHS[node.operation], first, second), node.use_clamp)
@@ -294,22 +268,18 @@ def ramp(graph, node, output):
     low, high = stops[0].position, stops[1].position
     if len(stops) > 2 or node.color_ramp.interpolation != "LINEAR" or high - low < 1e-6 or low > 1e-6 or high < 1 - 1e-6:
         raise Unknown("Color Ramp with more than two stops, at 0 and 1, of a picture")
-    return Mix(ends[0], ends[1], amount)
+    return mix(ends[0], ends[1], amount)
 
 
 def invert(graph, node, _):
-    color, amount = graph.of(node, "Color"), graph.of(node, "Fac", "Factor")
-    return mix(color, each(lambda c: 1 - c, color) if is_constant(color) else inverted(color), amount)
-
-
-def inverted(color):
-    if isinstance(color, Picture) and not color.parameters.get("bool invert"):
-        return Picture({**color.parameters, "bool invert": True}, color.of_color)
-    raise Unknown("Invert of a mixture")
-
-
-def blackbody(graph, node, _):
-    return Constant(blackbody_rgb(graph.number(node, "Temperature")))
+    color = graph.of(node, "Color")
+    if is_constant(color):
+        opposite = each(lambda c: 1 - c, color)
+    elif isinstance(color, Picture) and not color.parameters.get("bool invert"):
+        opposite = Picture({**color.parameters, "bool invert": True}, color.of_color)
+    else:
+        raise Unknown("Invert of a mixture")
+    return mix(color, opposite, graph.of(node, "Fac", "Factor"))
 
 
 def blackbody_rgb(kelvin):
@@ -342,10 +312,6 @@ def checker(graph, node, output):
     return Pattern("checkerboard", mapping, {"tex1": second, "tex2": first})
 
 
-def image(graph, node, output):
-    return pictures.picture(graph, node, output, Picture, Unknown)
-
-
 def vertex_color(graph, node, output):
     graph.places.need_color(node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name)
     return Pattern("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {}, {})
@@ -357,21 +323,11 @@ def attribute(graph, node, output):
     return vertex_color(graph, node, output)
 
 
-def fresnel(graph, node, _):
-    graph.lost("Fresnel is the value seen from the front")
-    ior = graph.number(node, "IOR")
-    return constant(((ior - 1) / (ior + 1)) ** 2)
-
-
-def layer_weight(graph, node, output):
-    graph.lost("Layer Weight is the value seen from the front")
-    blend = min(graph.number(node, "Blend"), 0.999)
-    eta = 1 / (1 - blend) if blend < 1 else 1e5
-    return constant(((eta - 1) / (eta + 1)) ** 2 if output.name == "Fresnel" else 0.0)
-
-
-def gamma(graph, node, _):
-    return arithmetic(lambda c, g: max(0.0, c) ** g, graph.of(node, "Color"), graph.of(node, "Gamma"))
+def fresnel(graph, node, output):
+    """Of a Fresnel or a Layer Weight node."""
+    graph.lost(f"{node.bl_label} is the value seen from the front")
+    ior = graph.number(node, "IOR") if node.type == "FRESNEL" else 1 / (1 - min(graph.number(node, "Blend"), 0.999))
+    return constant(0.0 if output.name == "Facing" else ((ior - 1) / (ior + 1)) ** 2)
 
 
 def clamp(graph, node, _):
@@ -387,14 +343,14 @@ VALUES = {
     "MATH": math_node,
     "VALTORGB": ramp,
     "INVERT": invert,
-    "GAMMA": gamma,
+    "GAMMA": lambda graph, node, _: arithmetic(lambda c, g: max(0.0, c) ** g, graph.of(node, "Color"), graph.of(node, "Gamma")),
     "CLAMP": clamp,
     "RGBTOBW": lambda graph, node, output: graph.of(node, "Color"),
-    "BLACKBODY": blackbody,
+    "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
     "TEX_CHECKER": checker,
-    "TEX_IMAGE": image,
+    "TEX_IMAGE": picture,
     "VERTEX_COLOR": vertex_color,
     "ATTRIBUTE": attribute,
     "FRESNEL": fresnel,
-    "LAYER_WEIGHT": layer_weight,
+    "LAYER_WEIGHT": fresnel,
 }

@@ -3,13 +3,27 @@ import hashlib
 import os
 import struct
 import zlib
+from dataclasses import dataclass
 
 import numpy as np
+
+from .report import Unknown
 
 ENCODINGS = {"sRGB": "sRGB", "Non-Color": "linear", "Raw": "linear", "Generic Data": "linear", "Linear": "linear", "Linear Rec.709": "linear"}
 WRAPS = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black"}
 EXTENSIONS = {"PNG": ".png", "JPEG": ".jpg", "OPEN_EXR": ".exr", "OPEN_EXR_MULTILAYER": ".exr", "HDR": ".hdr", "TIFF": ".tif", "TARGA": ".tga",
               "TARGA_RAW": ".tga", "BMP": ".bmp", "WEBP": ".webp"}
+
+
+@dataclass
+class Picture:
+    parameters: dict  # of imagemap
+    of_color: bool = True
+
+    @property
+    def is_moved(self):
+        """Whether it has a place of its own."""
+        return any(name in key for key in self.parameters for name in ("uscale", "vscale", "udelta", "vdelta"))
 
 
 class Files:
@@ -19,7 +33,7 @@ class Files:
         self.folder, self.known, self.wanted = folder, {}, []
         self.contents = {}  # of files of others, which may change under their names
 
-    def baked(self, graph, node, output, make):
+    def baked(self, graph, node, output):
         """What Cycles has baked of a node, if it has; otherwise, it may be wanted."""
         from .. import baking
 
@@ -29,29 +43,26 @@ class Files:
         if not os.path.exists(path):
             self.wanted.append((graph.material.name, node.name, output.identifier))
             return None
-        place = graph.places.moved(("uv", ""), np.eye(4))
-        return make({"string filename": path, **place})
+        return Picture({"string filename": path, **graph.places.moved(("uv", ""), np.eye(4))})
 
-    def path(self, image, unknown):
+    def path(self, image):
         import bpy
 
         if image.source in ("TILED", "MOVIE", "SEQUENCE"):
-            raise unknown(f"image {image.name} ({image.source.lower()})")
+            raise Unknown(f"image {image.name} ({image.source.lower()})")
         disk = bpy.path.abspath(image.filepath, library=image.library) if image.filepath else ""
         if image.source == "FILE" and not image.packed_file and not image.is_dirty:
             if not os.path.isfile(disk):
-                raise unknown(f"image {image.name}, whose file is missing")
+                raise Unknown(f"image {image.name}, whose file is missing")
             disk = os.path.realpath(disk)
             if disk not in self.contents:
                 with open(disk, "rb") as file:
                     self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
             return disk
         if image.name_full not in self.known:
-            self.known[image.name_full] = self.packed(image) if image.packed_file and not image.is_dirty else self.drawn(image, unknown)
+            packed = image.packed_file and not image.is_dirty
+            self.known[image.name_full] = self.written(bytes(image.packed_file.data), EXTENSIONS.get(image.file_format, ".png")) if packed else self.drawn(image)
         return self.known[image.name_full]
-
-    def packed(self, image):
-        return self.written(bytes(image.packed_file.data), EXTENSIONS.get(image.file_format, ".png"))
 
     def written(self, data, extension):
         """The path of a file with this content."""
@@ -61,9 +72,9 @@ class Files:
             file.write(data)
         return path
 
-    def drawn(self, image, unknown):
+    def drawn(self, image):
         if not image.has_data and not image.pixels:
-            raise unknown(f"image {image.name}, which is empty")
+            raise Unknown(f"image {image.name}, which is empty")
         pixels = np.empty(len(image.pixels), np.float32)
         image.pixels.foreach_get(pixels)
         rows = pixels.reshape(image.size[1], image.size[0], -1)
@@ -95,13 +106,13 @@ def png(rows):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b"")
 
 
-def picture(graph, node, output, make, unknown):
+def picture(graph, node, output):
     image = node.image
     if image is None:
-        raise unknown("an Image Texture without an image")
+        raise Unknown("an Image Texture without an image")
     if node.projection != "FLAT":
-        raise unknown(f"an Image Texture with {node.projection.lower()} projection")
-    parameters = {"string filename": graph.files.path(image, unknown), **graph.places.relative(graph, node.inputs["Vector"], 1.0)}
+        raise Unknown(f"an Image Texture with {node.projection.lower()} projection")
+    parameters = {"string filename": graph.files.path(image), **graph.places.relative(graph, node.inputs["Vector"], 1.0)}
     parameters.pop("integer dimension", None)
     space = image.colorspace_settings.name
     if space not in ENCODINGS:
@@ -112,20 +123,19 @@ def picture(graph, node, output, make, unknown):
         graph.lost(f"image {image.name}: extension {node.extension.lower()} is repeat")
     parameters["string wrap"] = WRAPS.get(node.extension, "repeat")
     parameters["string filter"] = "point" if node.interpolation == "Closest" else "bilinear"
-    return make(parameters, output.name == "Color")
+    return Picture(parameters, output.name == "Color")
 
 
 class Places:
     """Where the pictures of one material lie. The first one decides which coordinates the mesh gets: a UV map or others, times a matrix.
     The others may be shifted and scaled relative to it, for pbrt can say that, and no more."""
 
-    def __init__(self, unknown):
-        self.unknown = unknown
+    def __init__(self):
         self.source, self.matrix, self.color = None, None, None
 
     def need_color(self, name):
         if self.color not in (None, name):
-            raise self.unknown(f"colour attribute {name} beside {self.color}")
+            raise Unknown(f"colour attribute {name} beside {self.color}")
         self.color = name
 
     def relative(self, graph, socket, scale):
@@ -137,15 +147,15 @@ class Places:
         if self.source is None:
             self.source, self.matrix = source, matrix
         if source != self.source:
-            raise self.unknown("a texture with other coordinates than the first one of the material")
+            raise Unknown("a texture with other coordinates than the first one of the material")
         flat = lambda m: m[np.ix_([0, 1, 3], [0, 1, 3])]  # noqa: E731  from u and v to u and v
         if source[0] != "uv" and not np.allclose(matrix, self.matrix):
-            raise self.unknown("a second texture that is mapped otherwise")
+            raise Unknown("a second texture that is mapped otherwise")
         if source[0] != "uv":
             return {}
         change = flat(matrix) @ np.linalg.inv(flat(self.matrix)) if abs(np.linalg.det(flat(self.matrix))) > 1e-12 else np.eye(3)
         if abs(change[0, 1]) > 1e-6 or abs(change[1, 0]) > 1e-6:
-            raise self.unknown("a texture that is rotated relative to the first one of the material")
+            raise Unknown("a texture that is rotated relative to the first one of the material")
         wanted = {"float uscale": change[0, 0], "float vscale": change[1, 1], "float udelta": change[0, 2], "float vdelta": change[1, 2]}
         return {key: float(number) for key, number in wanted.items() if abs(number - ("scale" in key)) > 1e-9}
 
@@ -155,20 +165,20 @@ class Places:
         def linked(node, output):
             if node.type == "MAPPING":
                 source, matrix = self.coordinates(graph, node.inputs["Vector"])
-                return source, mapping(graph, node, self.unknown) @ matrix
+                return source, mapping(graph, node) @ matrix
             if node.type == "UVMAP":
                 return ("uv", node.uv_map), np.eye(4)
             if node.type == "TEX_COORD" and output.name in ("UV", "Generated", "Object") and not (output.name == "Object" and node.object):
                 return {"UV": ("uv", ""), "Generated": ("generated",), "Object": ("object",)}[output.name], np.eye(4)
             if node.type == "ATTRIBUTE":
                 return ("uv", node.attribute_name), np.eye(4)
-            raise self.unknown(f"texture coordinates of {node.bl_label} ({output.name})")
+            raise Unknown(f"texture coordinates of {node.bl_label} ({output.name})")
 
         is_picture = socket.node.type == "TEX_IMAGE"
         return graph.follow(socket, linked, lambda _: (("uv", "") if is_picture else ("generated",), np.eye(4)))
 
 
-def mapping(graph, node, unknown):
+def mapping(graph, node):
     """The matrix of a Mapping node."""
     from mathutils import Euler, Matrix
 
@@ -177,12 +187,12 @@ def mapping(graph, node, unknown):
         if socket is None:
             return (0.0, 0.0, 0.0)
         if socket.is_linked:
-            raise unknown(f"Mapping with a linked {name}")
+            raise Unknown(f"Mapping with a linked {name}")
         return tuple(socket.default_value)
 
     location, scale = Matrix.Translation(vector("Location")), Matrix.Diagonal((*vector("Scale"), 1.0))
     turn = Euler(vector("Rotation")).to_matrix().to_4x4()
     kinds = {"POINT": lambda: location @ turn @ scale, "TEXTURE": lambda: (location @ turn @ scale).inverted_safe(), "VECTOR": lambda: turn @ scale}
     if node.vector_type not in kinds:
-        raise unknown("Mapping of normals")
+        raise Unknown("Mapping of normals")
     return np.array(kinds[node.vector_type]())

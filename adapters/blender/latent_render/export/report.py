@@ -9,5 +9,6 @@ class Report:
         """`owner`: such as "material Wood". Each line appears once."""
         self.lines.setdefault(f"{owner}: {what}", None)
 
-    def text(self):
-        return list(self.lines)
+
+class Unknown(Exception):
+    """A node that Latent cannot say."""

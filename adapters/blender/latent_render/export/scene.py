@@ -11,7 +11,8 @@ from .pbrt import Document, directive, matrix
 from .pictures import Files
 from .report import Report
 
-MESHES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+MESHES = ("MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES")
+RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
 
 @dataclass
@@ -54,7 +55,7 @@ class Exporter:
         self.document, self.report = Document(), Report()
         self.files = Files(os.path.join(folder, "pictures"))
         self.models, self.lamps, self.portals, self.parts = {}, [], [], {}
-        self.known_materials, self.emitting = {}, {}
+        self.known_materials, self.known_objects, self.emitting = {}, set(), {}
 
     def export(self, stem="scene", frame_set=None):
         """Writes STEM.pbrt. `frame_set(frame, subframe)` moves the scene for motion blur."""
@@ -78,19 +79,21 @@ class Exporter:
             from_lamp = lamps.export(owner, pose, name, self.report, self.files, radius, center, lambda *ball: camera.sees(self.scene, view, *ball))
             self.part(f"lamp {owner.name}", from_lamp)
             self.document.body += from_lamp
-        lines = world.export(self.scene.world, self.files, self.portals, self.report, self.bake)
+        lines = world.export(getattr(self.depsgraph.view_layer, "world_override", None) or self.scene.world, self.files, self.portals, self.report, self.bake)
         self.part("world", lines)
         self.document.body += lines
         for number, model in enumerate(self.models.values()):
             self.write_model(model, f"object {number + 1}")
         if self.scene.render.film_transparent:
             self.report.lost("film", "a transparent background is opaque")
+        if self.scene.render.use_multiview:
+            self.report.lost("stereoscopy", "all views are that of the camera itself")
         path = os.path.join(self.folder, f"{stem}.pbrt")
         digest = self.document.write(path)
         for picture, content in sorted(self.files.contents.items()):
             self.part(f"picture {os.path.basename(picture)}", [content])
             digest.update(content.encode())
-        return Exported(path, digest, self.parts, self.report.text(), self.files.wanted, camera.blades(view.data), bool(closed))
+        return Exported(path, digest, self.parts, list(self.report.lines), self.files.wanted, camera.blades(view.data), bool(closed))
 
     def part(self, name, lines):
         self.parts[name] = hashlib.blake2b("\n".join(lines).encode(), digest_size=8).hexdigest()
@@ -114,6 +117,9 @@ class Exporter:
 
     def add(self, instance, opened, closed):
         owner = instance.object
+        if owner.as_pointer() not in self.known_objects:
+            self.known_objects.add(owner.as_pointer())
+            self.look_at(owner.original)
         if owner.type == "LIGHT" and instance.show_self:
             pose = instance.matrix_world.copy()
             if lamps.is_portal(owner) and self.settings.portals:
@@ -124,19 +130,30 @@ class Exporter:
                 self.lamps.append((owner.original, pose, lamps.group(self.settings, owner.original)))
                 if closed and closed.get(self.key(instance)) not in (None, opened.get(self.key(instance))):
                     self.report.lost(f"lamp {owner.name}", "its motion is left out")
-        elif owner.type in MESHES or owner.type in ("CURVES", "VOLUME", "POINTCLOUD"):
-            if owner.type == "POINTCLOUD":
-                self.report.lost(f"object {owner.name}", "a point cloud is left out")
-                return
-            if owner.type == "VOLUME":
-                lines = volumes.voxels(owner, instance.matrix_world, os.path.join(self.folder, "volumes"), self.report)
-                self.part(f"object {owner.name}", lines)
-                self.document.body += lines
-                return
+        elif owner.type == "POINTCLOUD":
+            self.report.lost(f"object {owner.name}", "a point cloud is left out")
+        elif owner.type == "VOLUME":
+            lines = volumes.voxels(owner, instance.matrix_world, os.path.join(self.folder, "volumes"), self.report)
+            self.part(f"object {owner.name}", lines)
+            self.document.body += lines
+        elif owner.type in MESHES:
             if instance.show_self:
                 self.add_shape(instance, owner, opened, closed)
             if instance.show_particles and not instance.is_instance:
                 self.add_particle_hair(owner)
+
+    def look_at(self, owner):
+        """What Latent cannot say of an object as such. Lamps are hidden from cameras unless the user wills it; the panel Spectrum says more."""
+        layer, is_lamp = self.depsgraph.view_layer, owner.type == "LIGHT"
+        linking = getattr(owner, "light_linking", None)
+        hidden = [ray.replace("_", " ") for ray in RAYS if not getattr(owner, f"visible_{ray}") and not (is_lamp and ray == "camera")]
+        for holds, what in ((hidden, f"stays visible to {', '.join(hidden)} rays"),
+                            (not is_lamp and owner.is_shadow_catcher, "a shadow catcher is an ordinary surface"),
+                            (owner.holdout_get(view_layer=layer), "a holdout is an ordinary surface"),
+                            (linking and (linking.receiver_collection or linking.blocker_collection), "light linking is left out"),
+                            (owner.indirect_only_get(view_layer=layer), "stays visible to the camera, not to indirect light alone")):
+            if holds and owner.type in (*MESHES, "VOLUME", "LIGHT"):
+                self.report.lost(f"{'lamp' if is_lamp else 'object'} {owner.name}", what)
 
     def add_shape(self, instance, owner, opened, closed):
         own = tuple(slot.material.as_pointer() if slot.material and slot.link == "OBJECT" else 0 for slot in owner.material_slots)
@@ -166,6 +183,7 @@ class Exporter:
 
     def lookup(self, material, owner):
         """A material as it is written. One that emits is another one in each light group."""
+        material = self.depsgraph.view_layer.material_override or material
         name, group = material.name_full if material else "", lamps.group(self.settings, owner.original)
         made = self.known_materials.get((name, "")) or self.known_materials.get((name, group))
         if made is None:

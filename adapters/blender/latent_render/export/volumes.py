@@ -4,8 +4,9 @@ import os
 import shutil
 import subprocess
 
-from .nodes import Graph, Unknown, is_constant
+from .nodes import Graph, is_constant
 from .pbrt import directive, matrix
+from .report import Unknown
 
 CONVERTER = "nanovdb_convert"  # of Debian's libnanovdb-tools
 
@@ -41,8 +42,8 @@ def voxels(owner, pose, folder, report):
     lost = lambda what: report.lost(f"object {owner.name}", what)  # noqa: E731
     material = next((slot.material for slot in owner.material_slots if slot.material), None)
     tree = material and material.node_tree
-    output = tree and next((node for node in tree.nodes if node.type == "OUTPUT_MATERIAL" and node.is_active_output), None)
     graph = tree and Graph(tree, lost)
+    output = graph and graph.output("OUTPUT_MATERIAL")
     found = output and graph.source(output.inputs["Volume"])
     if not found or found[0].type != "PRINCIPLED_VOLUME":
         lost("a volume without a Principled Volume is left out")
@@ -103,13 +104,11 @@ def color(graph, node, name):
 
 
 def absorption(graph, node):
-    density = graph.number(node, "Density")
-    return (0.0, 0.0, 0.0), [density * (1 - c) for c in color(graph, node, "Color")], None, 0.0
+    return (0.0, 0.0, 0.0), [graph.number(node, "Density") * (1 - c) for c in color(graph, node, "Color")], None, 0.0
 
 
 def scattering(graph, node):
-    density = graph.number(node, "Density")
-    return [density * c for c in color(graph, node, "Color")], (0.0, 0.0, 0.0), None, graph.number(node, "Anisotropy")
+    return [graph.number(node, "Density") * c for c in color(graph, node, "Color")], (0.0, 0.0, 0.0), None, graph.number(node, "Anisotropy")
 
 
 def principled(graph, node):

@@ -1,11 +1,10 @@
 """The world: a colour, a picture in longitude and latitude, or anything else, which Cycles bakes to such a picture."""
-
-
 import numpy as np
 
-from .nodes import Graph, Unknown, is_constant
+from .nodes import Graph, is_constant
 from .pbrt import directive, matrix
-from .pictures import ENCODINGS, mapping
+from .pictures import ENCODINGS, Places
+from .report import Unknown
 
 # Blender's longitude runs the other way round, and begins at the other side, than pbrt's.
 FLIPPED = np.diag([-1.0, 1.0, 1.0, 1.0])
@@ -17,10 +16,13 @@ def export(world, files, portals, report, bake):
         return []
     lost = lambda what: report.lost(f"world {world.name}", what)  # noqa: E731
     common = {"string name": "World"}
+    hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
+    if hidden:
+        lost(f"stays visible to {', '.join(hidden)} rays")
     if not world.node_tree or not getattr(world, "use_nodes", True):
         return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals, common)
     graph = Graph(world.node_tree, lost)
-    output = next((node for node in world.node_tree.nodes if node.type == "OUTPUT_WORLD" and node.is_active_output), None)
+    output = graph.output("OUTPUT_WORLD")
     if output is None:
         return []
     if output.inputs["Volume"].is_linked:
@@ -57,21 +59,10 @@ def simple(node, graph, files, portals, common):
         raise Unknown("world")
     if image.colorspace_settings.name not in ENCODINGS or (not image.is_float and ENCODINGS[image.colorspace_settings.name] != "sRGB"):
         raise Unknown("world")
-    turn = np.eye(4)
-    if picture.inputs["Vector"].is_linked:
-        source = graph.source(picture.inputs["Vector"])
-        if not source or source[0].type != "MAPPING":
-            if not source or source[0].type != "TEX_COORD" or source[1].name != "Generated":
-                raise Unknown("world")
-        else:
-            inner = graph.source(source[0].inputs["Vector"])
-            if not inner or inner[0].type != "TEX_COORD" or inner[1].name != "Generated":
-                raise Unknown("world")
-            turn = mapping(graph, source[0], Unknown)
-            turn[:3, 3] = 0
-            if not np.allclose(turn[:3, :3] @ turn[:3, :3].T, np.eye(3), atol=1e-5):
-                raise Unknown("world")
-    return lights(["string filename", files.path(image, Unknown)], strength, np.linalg.inv(turn) @ FLIPPED, portals, common)
+    source, turn = Places().coordinates(graph, picture.inputs["Vector"])
+    if source != ("generated",) or turn[:3, 3].any() or not np.allclose(turn[:3, :3] @ turn[:3, :3].T, np.eye(3), atol=1e-5):
+        raise Unknown("world")
+    return lights(["string filename", files.path(image)], strength, np.linalg.inv(turn) @ FLIPPED, portals, common)
 
 
 def lights(spectrum, scale, place, portals, common):
