@@ -11,8 +11,9 @@
 #include "tests/image/test_image.h"
 
 // clang-format off: jpeglib.h needs what cstdio declares
-#include <cstdio>
 #include <jpeglib.h>
+
+#include <cstdio>
 // clang-format on
 
 namespace latent::image {
@@ -148,7 +149,8 @@ TEST_F(JpegKinds, TruncatedAndDeeperOnesAreRefused) {
         deep[frame + 4] = bits;
         const Result<WholePicture> picture = read(deep);
         ASSERT_FALSE(picture);
-        EXPECT_THAT(picture.error().message, HasSubstr(fmt::format("a.jpg: cannot be read as a picture: its samples have {} bits; convert it", int{bits})));
+        EXPECT_THAT(picture.error().message,
+                    HasSubstr(fmt::format("a.jpg: cannot be read as a picture: its samples have {} bits; convert it", int{bits})));
     }
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
