@@ -142,7 +142,7 @@ TEST_F(JpegKinds, TruncatedAndDeeperOnesAreRefused) {
         }
     }
     ::testing::internal::CaptureStderr();
-    for (const char bits : {12, 16}) {
+    for (const char bits : {'\x0C', '\x10'}) {
         std::string deep = jpeg_of({});
         const std::size_t frame = deep.find("\xFF\xC0");
         ASSERT_NE(frame, std::string::npos);
