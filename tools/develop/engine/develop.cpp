@@ -88,7 +88,8 @@ class Engine {
     Result<double> planned_bytes() const {
         const Result<Plan> plan = make_plan();
         if (!plan) return plan.error();
-        return static_cast<double>(plan->stored_bytes()) * plan->decode_factor(std::max(slab_bytes_, plan->min_room()));
+        if (Status s = check_room(*plan); !s) return s.error();
+        return static_cast<double>(plan->stored_bytes()) * plan->decode_factor(slab_bytes_);
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
@@ -97,8 +98,7 @@ class Engine {
         plan_ = &*plan;
         counts_.pages = plan->pages();
         counts_.page_bytes = plan->stored_bytes();
-        if (const std::uint64_t least = plan->min_room(); slab_bytes_ < least)
-            return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
+        if (Status s = check_room(*plan); !s) return s.error();
         slab_.reset(
             static_cast<std::byte*>(std::aligned_alloc(kLargePage, (slab_bytes_ + kLargePage - 1) / kLargePage * kLargePage)));
         if (!slab_)
@@ -124,6 +124,12 @@ class Engine {
     Result<Plan> make_plan() const {
         const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.stride()) : 0;
         return Plan::make(run_set_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
+    }
+
+    Status check_room(const Plan& plan) const {
+        const std::uint64_t least = plan.min_room();
+        if (slab_bytes_ >= least) return {};
+        return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
     }
 
     // Mean weight of records.

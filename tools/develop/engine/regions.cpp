@@ -39,6 +39,7 @@ Plan::Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_
 Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, const PixelRect& needed, Classes classes,
                         const Loader& loader, const CellBytes& cell_bytes) {
     Plan plan(grid, needed, cell_bytes, run_set.runs().size());
+    std::uint64_t reached = 0;  // bytes, twice
     for (std::size_t run = 0; run < run_set.runs().size(); ++run) {
         const auto pages = run_set.pages(run);
         if (!pages) return pages.error();
@@ -48,11 +49,14 @@ Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, c
             plan.min_batch_ = std::max(plan.min_batch_, bytes + Loader::index_bytes({0, 0, 1, 1}));
             ++plan.pages_;
             plan.stored_bytes_ += page.stored_size;
+            reached += bytes * (page.part == sampledb::NodePart::kAnywhere ? 2 : 1);
             const int level = std::min<int>(page.node.level, static_cast<int>(plan.inside_.size()) - 1);
             std::uint64_t z = sampledb::z_code(page.node.x, page.node.y) >> (2 * (page.node.level - level));
             for (int above = level; above >= 0; --above, z >>= 2) plan.inside_[above][z] += bytes;
         }
     }
+    if (const std::uint64_t all = plan.inside({}); all > 0)
+        plan.reach_ = static_cast<double>(reached) / (2 * static_cast<double>(all));
     return plan;
 }
 
@@ -88,31 +92,32 @@ Way Plan::way(const FilmNode& node, std::uint64_t room, std::uint64_t missed) co
 }
 
 bool Plan::holds(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
-    return best_split(node, room, missed).holds;
+    return best_split(node, room, {missed, missed}).holds;
 }
 
-Plan::Split Plan::best_split(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
-    const auto children = [&](std::uint64_t its_room, std::uint64_t its_missed) {
+Plan::Split Plan::best_split(const FilmNode& node, std::uint64_t room, const Missed& missed) const {
+    const auto children = [&](std::uint64_t its_room, const Missed& its_missed) {
         std::uint64_t bytes = 0;
         for (int i = 0; i < 4; ++i) bytes += decoded(child(node, i), its_room, its_missed);
         return bytes;
     };
     const std::uint64_t bytes = own(node), takes = bytes + Loader::index_bytes(cells(node));
-    if (bytes == 0 || takes + min_room() > room) return {false, children(room, missed + bytes)};
+    const Missed more{missed.all + bytes, missed.decoded + static_cast<std::uint64_t>(reach_ * static_cast<double>(bytes))};
+    if (bytes == 0 || takes + min_room() > room) return {false, children(room, more)};
     const Split with{true, bytes + children(room - takes, missed)};
     if (bytes <= inside(node) / 64) return with;  // they take next to nothing
-    const Split without{false, children(room, missed + bytes)};
+    const Split without{false, children(room, more)};
     return with.decoded <= without.decoded ? with : without;
 }
 
 double Plan::decode_factor(std::uint64_t room) const {
     const std::uint64_t once = inside({});
-    return once == 0 ? 1 : static_cast<double>(decoded({}, room, 0)) / static_cast<double>(once);
+    return once == 0 ? 1 : static_cast<double>(decoded({}, room, {})) / static_cast<double>(once);
 }
 
-std::uint64_t Plan::decoded(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
+std::uint64_t Plan::decoded(const FilmNode& node, std::uint64_t room, const Missed& missed) const {
     if (cells(node).empty()) return 0;
-    return way(node, room, missed) == Way::kSplit ? best_split(node, room, missed).decoded : inside(node) + missed;
+    return way(node, room, missed.all) == Way::kSplit ? best_split(node, room, missed).decoded : inside(node) + missed.decoded;
 }
 
 }  // namespace latent::develop

@@ -48,7 +48,7 @@ class Plan {
     bool holds(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
     std::uint64_t own(const sampledb::FilmNode& node) const;  // bytes of their records
 
-    // How many times each byte of records is decoded with so much room for the whole film, on average.
+    // About how many times each byte of records is decoded with so much room for the whole film, on average.
     double decode_factor(std::uint64_t room) const;
 
     std::uint64_t min_batch() const { return min_batch_; }  // bytes
@@ -60,18 +60,23 @@ class Plan {
     Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs);
     std::uint64_t window_bytes(const PixelRect& cells) const;  // of a region that streams
     std::uint64_t inside(const sampledb::FilmNode& node) const;
+    // Bytes of records in the pages of a node's ancestors that are not in memory, and those that are decoded for it.
+    struct Missed {
+        std::uint64_t all = 0, decoded = 0;
+    };
     struct Split {
         bool holds;
         std::uint64_t decoded;  // bytes of records, repeats included
     };
-    Split best_split(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
-    std::uint64_t decoded(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
+    Split best_split(const sampledb::FilmNode& node, std::uint64_t room, const Missed& missed) const;
+    std::uint64_t decoded(const sampledb::FilmNode& node, std::uint64_t room, const Missed& missed) const;
 
     const FilmGrid* grid_;
     PixelRect needed_;
     CellBytes cell_bytes_;
     std::uint64_t runs_;
     std::vector<std::vector<std::uint64_t>> inside_;  // bytes of records of pages that lie in a node, by level and Z order
+    double reach_ = 1;                                // share of its node that a page lies in, on average
     std::uint64_t min_batch_, pages_ = 0, stored_bytes_ = 0;
 };
 

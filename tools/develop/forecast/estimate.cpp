@@ -53,7 +53,8 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         repeated.push_back(*tried);
         std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
         last = repeated.front();
-        const double left = seconds - cost.spent.wall;
+        // While other programs had the processor, nothing was measured; but nobody waits for ever.
+        const double left = std::min(seconds - (cost.spent.wall - cost.spent.queued), 2 * seconds - cost.spent.wall);
         const bool is_first = first.amount == 0 || last.amount == first.amount;
         const bool is_alone = repeated.size() == 1;  // its memory was new, which may cost as much again, or twice
         if (is_alone && (is_first ? last.cost.wall < left / 10 : left > 0)) continue;

@@ -53,10 +53,10 @@ struct LinearCost {
     Cost of(double amount) const { return fixed + each * amount; }
 };
 
-// Tries `least`, then more: each amount is up to four times the last, and at most `most`. Ends after about `seconds`, or when an
-// amount costs `enough` seconds of CPU time more than the first. The cheapest of two tries of an amount counts, or of four of the
-// last; `least` is tried once where time is short, and if there was no time for more, all of its cost is taken to be that of its
-// amount. Errors: those of `trial`.
+// Tries `least`, then more: each amount is up to four times the last, and at most `most`. Ends after about `seconds`, or up to
+// twice that if other programs have the processor meanwhile, or when an amount costs `enough` seconds of CPU time more than the
+// first. The cheapest of two tries of an amount counts, or of four of the last; `least` is tried once where time is short, and if
+// there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by

@@ -131,7 +131,7 @@ PixelRect piece_of(const TrialPicture& picture, double pixels) {
 }  // namespace
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
-    constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.25;
+    constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.3;
     constexpr double kDecodeEnough = 0.06;  // of what a piece decodes at least
     constexpr double kFewPixels = 1 << 17;
     TrialOutcome last;
@@ -176,7 +176,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     // A page's part of the film is the least that draws what it must decode.
     const double page_pixels = decoded_for_one * runs / std::max(decoded, 1.0) * area(part.crop);
     const Result<LinearCost> pixels =
-        measure(kSeconds - decoding->spent.wall, std::min(kFewPixels, 2 * page_pixels), area(part.crop), kEnough, develop);
+        measure(kSeconds - kDecodeSeconds, std::min(kFewPixels, 2 * page_pixels), area(part.crop), kEnough, develop);
     if (!pixels) return pixels.error();
     const Cost drawing = at_least(pixels->of(tried_pixels) - decoding->fixed - byte * static_cast<double>(last.decoded), {});
     TrialOutcome out;
