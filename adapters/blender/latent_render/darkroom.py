@@ -58,6 +58,12 @@ class DarkroomSettings(bpy.types.PropertyGroup):
         """Whether a light mix is a sum of the pictures of the lights."""
         return not self.printed and self.noise == "KEEP"
 
+    def list_lights(self, names):
+        for name in [light.name for light in self.mix if light.name not in names]:
+            self.mix.remove(self.mix.find(name))
+        for name in [name for name in names if name not in self.mix]:
+            self.mix.add().name = name
+
     def factors(self):
         solo = any(light.solo for light in self.mix)
         return {light.name: 0.0 if light.mute or solo and not light.solo else light.factor for light in self.mix}
@@ -84,16 +90,15 @@ def job_of(context):
 
 
 def picture(context, program=None):
-    """What the panel asks for: channels and the path of the picture that they are in. Without a program, only if it need not be developed."""
+    """What the panel asks for, before lights are mixed: its channels and its path. Without a program, only if it need not be developed."""
     settings, last = context.scene.latent.darkroom, job_of(context)
     layers = ["lights"] if settings.adds_up and last.has_lights else []
-    channels, path = last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
-    return develop.mixed(channels, settings.factors() if layers else {}), path
+    return last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
 
 
 def show(settings, channels):
     """In the image that the panel fills."""
-    pixels = develop.rgb(channels) * np.float32(2.0**settings.stops)
+    pixels = develop.rgb(develop.mixed(channels, settings.factors())) * np.float32(2.0**settings.stops)
     height, width = pixels.shape[:2]
     image = bpy.data.images.get(IMAGE)
     if image is None or tuple(image.size) != (width, height) or image.source != "GENERATED":
@@ -124,30 +129,16 @@ class Operator:
         return {"FINISHED"}
 
 
-class LATENT_OT_light_mix(Operator, bpy.types.Operator):
-    """Lists the light groups of the last render"""
-
-    bl_idname, bl_label = "latent.light_mix", "List the lights"
-
-    def run(self, context):
-        mix, last = context.scene.latent.darkroom.mix, job_of(context)
-        words = engine.develop_words(context.scene.latent, last.note["aperture"])
-        names = develop.lights(last.develop(engine.program("latent-develop"), last.picture, words, ["lights"])[0]) if last.has_lights else []
-        for name in names:
-            if name not in mix:
-                mix.add().name = name
-        for name in [light.name for light in mix if light.name not in names]:
-            mix.remove(mix.find(name))
-
-
 class LATENT_OT_develop(Operator, bpy.types.Operator):
-    """Develops the samples of the last render into the image Latent Darkroom. Nothing is rendered"""
+    """Develops the samples of this frame into the image Latent Darkroom, and lists their lights. Nothing is rendered"""
 
     bl_idname, bl_label = "latent.develop", "Develop"
 
     def run(self, context):
         settings = context.scene.latent.darkroom
         channels, path = picture(context, engine.program("latent-develop"))
+        if settings.adds_up:
+            settings.list_lights(develop.lights(channels))
         if not settings.printed:
             return show(settings, channels)
         printed = os.path.splitext(path)[0] + ".png"
@@ -227,4 +218,4 @@ class LATENT_OT_bake(Operator, bpy.types.Operator):
         self.report({"INFO"}, f"Latent: {made} pictures were baked; F12 takes them")
 
 
-CLASSES = (LightMix, DarkroomSettings, LATENT_OT_light_mix, LATENT_OT_develop, LATENT_OT_darkroom, LATENT_OT_farm, LATENT_OT_clean, LATENT_OT_bake)
+CLASSES = (LightMix, DarkroomSettings, LATENT_OT_develop, LATENT_OT_darkroom, LATENT_OT_farm, LATENT_OT_clean, LATENT_OT_bake)
