@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
-from . import develop, engine, job, tools
+from . import baking, develop, engine, job, tools
 
 IMAGE = "Latent Darkroom"
 
@@ -26,7 +26,13 @@ def listed(name, kind, option):
 
 
 def follow(_, context):
-    show_mix(context)
+    """Called when a control of the mix has moved: shows a sum of pictures, if they are there."""
+    settings = context.scene.latent.darkroom
+    if IMAGE in bpy.data.images and settings.adds_up:
+        try:
+            show(settings, picture(context)[0])
+        except (tools.Failure, OSError, ValueError):
+            pass  # Develop says why
 
 
 class LightMix(bpy.types.PropertyGroup):
@@ -107,16 +113,6 @@ def show(settings, channels):
         image = bpy.data.images.new(IMAGE, width, height, float_buffer=True)
     image.pixels.foreach_set(np.ascontiguousarray(engine.with_alpha(pixels)[::-1], np.float32).ravel())
     image.update()
-
-
-def show_mix(context):
-    """While a control is moved: a sum of pictures that are there."""
-    settings = context.scene.latent.darkroom
-    if IMAGE in bpy.data.images and settings.adds_up:
-        try:
-            show(settings, picture(context)[0])
-        except (tools.Failure, OSError, ValueError):
-            pass  # Develop says why
 
 
 class Operator:
@@ -210,8 +206,6 @@ class LATENT_OT_bake(Operator, bpy.types.Operator):
     bl_idname, bl_label = "latent.bake", "Bake them"
 
     def run(self, context):
-        from . import baking
-
         made, failed = baking.nodes(context.scene, engine.last["wanted"], engine.folder_of(context.scene))
         for name in failed:
             self.report({"WARNING"}, f"Latent: {name} could not be baked; a mesh with a UV map must have this material")
