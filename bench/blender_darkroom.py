@@ -33,7 +33,6 @@ def cost(what, work):
 
 bpy.ops.render.render()
 print("RESULT " + json.dumps({"what": "pictures of all lights after F12", "seconds": engine.last["seconds"]["develop"], "cpu": None}), flush=True)
-bpy.ops.latent.light_mix()
 darkroom = scene.latent.darkroom
 cost("first look", bpy.ops.latent.develop)
 for number, light in enumerate(darkroom.mix):

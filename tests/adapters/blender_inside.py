@@ -139,7 +139,7 @@ tree.nodes.remove(noise)
 
 # The darkroom: without the sun, only the sky is left; twice the sky is twice as bright.
 render()
-bpy.ops.latent.light_mix()
+bpy.ops.latent.develop()
 mix = settings.darkroom.mix
 check("the darkroom lists the lights", {"Sun", "World"} <= {light.name for light in mix}, [light.name for light in mix])
 mix["Sun"].factor, mix["World"].factor, settings.darkroom.stops = 0, 2, 1

@@ -11,15 +11,6 @@ import bpy
 import numpy as np
 
 
-def settings_of(scene, width, height, samples, output):
-    render, cycles = scene.render, scene.cycles
-    render.engine, render.filepath = "CYCLES", output
-    render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
-    render.image_settings.file_format, render.image_settings.color_depth, render.image_settings.color_mode = "OPEN_EXR", "32", "RGB"
-    cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", samples, False, False
-    cycles.pixel_filter_type = "BOX"
-
-
 def bake_world(job):
     with bpy.data.libraries.load(job["library"]) as (there, here):
         here.worlds = [job["world"]]
@@ -37,7 +28,12 @@ def bake_world(job):
     owner.rotation_euler = (1.5707963267948966, 0, -1.5707963267948966)  # along +x, where the middle of Blender's pictures is
     scene.collection.objects.link(owner)
     scene.camera = owner
-    settings_of(scene, job["width"], job["width"] // 2, job["samples"], job["output"])
+    render, cycles = scene.render, scene.cycles
+    render.engine, render.filepath = "CYCLES", job["output"]
+    render.resolution_x, render.resolution_y, render.resolution_percentage = job["width"], job["width"] // 2, 100
+    render.image_settings.file_format, render.image_settings.color_depth, render.image_settings.color_mode = "OPEN_EXR", "32", "RGB"
+    cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", job["samples"], False, False
+    cycles.pixel_filter_type = "BOX"
     bpy.ops.render.render(write_still=True)
 
 

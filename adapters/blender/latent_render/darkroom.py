@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
-from . import develop, engine, job, tools
+from . import baking, develop, engine, job, tools
 
 IMAGE = "Latent Darkroom"
 
@@ -26,7 +26,13 @@ def listed(name, kind, option):
 
 
 def follow(_, context):
-    show_mix(context)
+    """Called when a control of the mix has moved: shows a sum of pictures, if they are there."""
+    settings = context.scene.latent.darkroom
+    if IMAGE in bpy.data.images and settings.adds_up:
+        try:
+            show(settings, picture(context)[0])
+        except (tools.Failure, OSError, ValueError):
+            pass  # Develop says why
 
 
 class LightMix(bpy.types.PropertyGroup):
@@ -58,6 +64,12 @@ class DarkroomSettings(bpy.types.PropertyGroup):
         """Whether a light mix is a sum of the pictures of the lights."""
         return not self.printed and self.noise == "KEEP"
 
+    def list_lights(self, names):
+        for name in [light.name for light in self.mix if light.name not in names]:
+            self.mix.remove(self.mix.find(name))
+        for name in [name for name in names if name not in self.mix]:
+            self.mix.add().name = name
+
     def factors(self):
         solo = any(light.solo for light in self.mix)
         return {light.name: 0.0 if light.mute or solo and not light.solo else light.factor for light in self.mix}
@@ -84,16 +96,15 @@ def job_of(context):
 
 
 def picture(context, program=None):
-    """What the panel asks for: channels and the path of the picture that they are in. Without a program, only if it need not be developed."""
+    """What the panel asks for, before lights are mixed: its channels and its path. Without a program, only if it need not be developed."""
     settings, last = context.scene.latent.darkroom, job_of(context)
     layers = ["lights"] if settings.adds_up and last.has_lights else []
-    channels, path = last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
-    return develop.mixed(channels, settings.factors() if layers else {}), path
+    return last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
 
 
 def show(settings, channels):
     """In the image that the panel fills."""
-    pixels = develop.rgb(channels) * np.float32(2.0**settings.stops)
+    pixels = develop.rgb(develop.mixed(channels, settings.factors())) * np.float32(2.0**settings.stops)
     height, width = pixels.shape[:2]
     image = bpy.data.images.get(IMAGE)
     if image is None or tuple(image.size) != (width, height) or image.source != "GENERATED":
@@ -102,16 +113,6 @@ def show(settings, channels):
         image = bpy.data.images.new(IMAGE, width, height, float_buffer=True)
     image.pixels.foreach_set(np.ascontiguousarray(engine.with_alpha(pixels)[::-1], np.float32).ravel())
     image.update()
-
-
-def show_mix(context):
-    """While a control is moved: a sum of pictures that are there."""
-    settings = context.scene.latent.darkroom
-    if IMAGE in bpy.data.images and settings.adds_up:
-        try:
-            show(settings, picture(context)[0])
-        except (tools.Failure, OSError, ValueError):
-            pass  # Develop says why
 
 
 class Operator:
@@ -124,30 +125,16 @@ class Operator:
         return {"FINISHED"}
 
 
-class LATENT_OT_light_mix(Operator, bpy.types.Operator):
-    """Lists the light groups of the last render"""
-
-    bl_idname, bl_label = "latent.light_mix", "List the lights"
-
-    def run(self, context):
-        mix, last = context.scene.latent.darkroom.mix, job_of(context)
-        words = engine.develop_words(context.scene.latent, last.note["aperture"])
-        names = develop.lights(last.develop(engine.program("latent-develop"), last.picture, words, ["lights"])[0]) if last.has_lights else []
-        for name in names:
-            if name not in mix:
-                mix.add().name = name
-        for name in [light.name for light in mix if light.name not in names]:
-            mix.remove(mix.find(name))
-
-
 class LATENT_OT_develop(Operator, bpy.types.Operator):
-    """Develops the samples of the last render into the image Latent Darkroom. Nothing is rendered"""
+    """Develops the samples of this frame into the image Latent Darkroom, and lists their lights. Nothing is rendered"""
 
     bl_idname, bl_label = "latent.develop", "Develop"
 
     def run(self, context):
         settings = context.scene.latent.darkroom
         channels, path = picture(context, engine.program("latent-develop"))
+        if settings.adds_up:
+            settings.list_lights(develop.lights(channels))
         if not settings.printed:
             return show(settings, channels)
         printed = os.path.splitext(path)[0] + ".png"
@@ -219,12 +206,10 @@ class LATENT_OT_bake(Operator, bpy.types.Operator):
     bl_idname, bl_label = "latent.bake", "Bake them"
 
     def run(self, context):
-        from . import baking
-
         made, failed = baking.nodes(context.scene, engine.last["wanted"], engine.folder_of(context.scene))
         for name in failed:
             self.report({"WARNING"}, f"Latent: {name} could not be baked; a mesh with a UV map must have this material")
         self.report({"INFO"}, f"Latent: {made} pictures were baked; F12 takes them")
 
 
-CLASSES = (LightMix, DarkroomSettings, LATENT_OT_light_mix, LATENT_OT_develop, LATENT_OT_darkroom, LATENT_OT_farm, LATENT_OT_clean, LATENT_OT_bake)
+CLASSES = (LightMix, DarkroomSettings, LATENT_OT_develop, LATENT_OT_darkroom, LATENT_OT_farm, LATENT_OT_clean, LATENT_OT_bake)

@@ -14,13 +14,9 @@ last = {"word": "", "lost": [], "samples": "", "wanted": [], "seconds": {}}  # o
 planned = None  # a list while a farm is planned: the scene of each frame, and its options
 
 
-def preference(context=None):
-    addon = (context or bpy.context).preferences.addons.get(__package__)
-    return addon.preferences.tools if addon else ""
-
-
 def program(name):
-    return tools.find(name, preference())
+    addon = bpy.context.preferences.addons.get(__package__)
+    return tools.find(name, addon.preferences.tools if addon else "")
 
 
 def folder_of(scene):

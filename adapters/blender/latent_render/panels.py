@@ -95,9 +95,7 @@ class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
             row.prop(light, "mute", text="", icon="HIDE_ON" if light.mute else "HIDE_OFF")
             row.prop(light, "solo", text="", icon="SOLO_ON" if light.solo else "SOLO_OFF")
             layout.prop(light, "change")
-        row = layout.row()
-        row.operator("latent.light_mix")
-        row.operator("latent.develop")
+        layout.operator("latent.develop")
         layout.operator("latent.darkroom")
 
 

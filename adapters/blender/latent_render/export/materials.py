@@ -1,4 +1,5 @@
 """Materials: what each shader node is in pbrt, by a table."""
+import functools
 import math
 from dataclasses import dataclass, field
 
@@ -39,6 +40,7 @@ class Reader:
 
     def __init__(self, document, graph, settings):
         self.document, self.graph, self.settings = document, graph, settings
+        self.value, self.number = graph.of, graph.number
 
     def shader(self, socket):
         return self.graph.follow(socket, self.surface, lambda _: Surface())
@@ -49,12 +51,6 @@ class Reader:
             self.graph.lost(f"shader {node.bl_label} is replaced by a matt grey")
             return Surface(DEFAULT)
         return read(self, node)
-
-    def value(self, node, *names):
-        return self.graph.of(node, *names)
-
-    def number(self, node, *names):
-        return self.graph.number(node, *names)
 
     def set(self, name, kind, value):
         return parameter(self.document, name, kind, value)
@@ -171,7 +167,7 @@ def hair(reader, node):
 def principled(reader, node):
     """Inputs have other names since Blender 4.0."""
     graph, is_new = reader.graph, "Coat Weight" in node.inputs
-    number = lambda *names: reader.number(node, *names)  # noqa: E731
+    number = functools.partial(reader.number, node)
     base = reader.value(node, "Base Color")
     parameters = reader.set("color", "spectrum", raised(base, second_loss(reader, node, is_new)))
     for name, kind, names in PRINCIPLED:

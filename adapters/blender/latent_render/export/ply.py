@@ -21,7 +21,6 @@ def shared(columns):
     return order[first], vertex
 
 
-NORMAL = ("nx", "ny", "nz")
 NOISE = 1e-6  # Blender 3.4 adds up the normals of a vertex in an order that changes
 
 
@@ -42,7 +41,7 @@ def encode(positions, triangles, normals=None, uvs=None, colors=None):
 def store(head, vertices, faces, folder):
     """Writes a mesh to a file in `folder` that its content names, unless it is there: returns its name. Normals that differ by no more than
     NOISE are the same: otherwise, an unchanged scene would be another job."""
-    normals = [name for name in vertices.dtype.names if name in NORMAL]
+    normals = [name for name in vertices.dtype.names if name in ("nx", "ny", "nz")]
     digest = hashlib.blake2b(head, digest_size=12)
     for name in vertices.dtype.names:
         if name not in normals:
