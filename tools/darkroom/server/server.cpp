@@ -14,6 +14,8 @@
 #include "base/parse.h"
 #include "color/catalogue.h"
 #include "color/film/material.h"
+#include "tools/convert/convert.h"
+#include "tools/darkroom/engine/decisions.h"
 #include "tools/darkroom/server/bitmap.h"
 #include "tools/darkroom/server/commands.h"
 #include "tools/darkroom/server/folder.h"
@@ -28,7 +30,8 @@ using Json = nlohmann::ordered_json;
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kThreads = 16;         // connections at a time
+constexpr std::size_t kThreads = 64;         // connections at a time
+constexpr time_t kPatience = 2;              // seconds that one may say nothing
 constexpr std::size_t kLongestBody = 65536;  // a recipe, and what goes with it
 constexpr int kLargestTile = 2048;           // pixels a side
 
@@ -119,6 +122,8 @@ class HttpServer final : public Server {
           token_(make_nonce() + make_nonce()) {
         http_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
         http_.set_payload_max_length(kLongestBody);
+        http_.set_read_timeout(kPatience);
+        http_.set_keep_alive_timeout(kPatience);
         http_.set_keep_alive_max_count(1000);
         http_.set_tcp_nodelay(true);
         // Its default lets two servers listen at one port.
@@ -162,6 +167,21 @@ class HttpServer final : public Server {
  private:
     std::string at(const std::string& path) const { return "/" + token_ + "/" + path; }
 
+    // Read here, since the library refuses long bodies that say nothing of their type. None: the library answers.
+    static std::optional<std::string> body_of(const httplib::ContentReader& reader) {
+        std::string body;
+        const bool whole = reader([&](const char* data, std::size_t size) {
+            body.append(data, size);
+            return true;
+        });
+        return whole ? std::optional(std::move(body)) : std::nullopt;
+    }
+    void post(const std::string& path, std::function<Result<Json>(const std::string& body)> work) {
+        http_.Post(at(path), [work](const Request&, Response& response, const httplib::ContentReader& reader) {
+            if (const std::optional<std::string> body = body_of(reader)) answer(response, work(*body));
+        });
+    }
+
     void add_page() {
         for (const PageFile& file : page_files()) {
             http_.Get(at(file.name), [file](const Request&, Response& response) {
@@ -172,7 +192,7 @@ class HttpServer final : public Server {
     }
 
     void add_views() {
-        http_.Post(at("api/views"), [this](const Request& request, Response& response) { answer(response, new_view(request)); });
+        post("api/views", [this](const std::string& body) { return new_view(body); });
         http_.Get(at("api/tile"), [this](const Request& request, Response& response) {
             const Result<convert::CodeValues> tile = this->tile(request);
             if (!tile) return fail(response, status_of(tile.error()), tile.error().message);
@@ -191,8 +211,10 @@ class HttpServer final : public Server {
         http_.Get(at("api/recipes"), [this](const Request&, Response& response) { answer(response, Json(folder_.recipes())); });
         http_.Get(at("api/recipes/(.+)"),
                   [this](const Request& request, Response& response) { answer(response, folder_.recipe(request.matches[1])); });
-        http_.Put(at("api/recipes/(.+)"), [this](const Request& request, Response& response) {
-            const Result<Recipe> recipe = parse_recipe(request.body);
+        http_.Put(at("api/recipes/(.+)"), [this](const Request& request, Response& response, const httplib::ContentReader& reader) {
+            const std::optional<std::string> body = body_of(reader);
+            if (!body) return;
+            const Result<Recipe> recipe = parse_recipe(*body);
             const Status saved = recipe ? folder_.save(request.matches[1], *recipe) : Status(recipe.error());
             answer(response, saved ? Result<Json>(Json{{"saved", std::string(request.matches[1])}}) : saved.error());
         });
@@ -202,7 +224,7 @@ class HttpServer final : public Server {
                 jobs.push_back({{"id", job.id}, {"name", job.name}, {"state", name_of(job.state)}, {"message", job.message}});
             answer(response, jobs);
         });
-        http_.Post(at("api/prints"), [this](const Request& request, Response& response) { answer(response, new_print(request)); });
+        post("api/prints", [this](const std::string& body) { return new_print(body); });
         http_.Delete(at("api/prints/(\\d{1,18})"), [this](const Request& request, Response& response) {
             prints_.cancel(*parse_count(std::string(request.matches[1])));
             answer(response, Json::object());
@@ -237,8 +259,8 @@ class HttpServer final : public Server {
         return state;
     }
 
-    Result<Json> new_view(const Request& request) {
-        const Result<Recipe> recipe = parse_recipe(request.body);
+    Result<Json> new_view(const std::string& body) {
+        const Result<Recipe> recipe = parse_recipe(body);
         if (!recipe) return recipe.error();
         Result<Recipe> resolved = engine_.resolve(*recipe);
         if (!resolved) return resolved.error();
@@ -302,15 +324,20 @@ class HttpServer final : public Server {
         return json;
     }
 
-    Result<Json> new_print(const Request& request) {
-        const Json order = Json::parse(request.body, nullptr, false);
+    Result<Json> new_print(const std::string& body) {
+        const Json order = Json::parse(body, nullptr, false);
         if (!order.is_object() || !order.contains("name") || !order["name"].is_string() || !order.contains("recipe"))
             return usage_error("an object with a name and a recipe is needed");
         const Result<Recipe> recipe = parse_recipe(order["recipe"].dump());
         if (!recipe) return recipe.error();
         const Result<std::filesystem::path> output = folder_.file(order["name"]);
         if (!output) return output.error();
-        const Result<std::uint64_t> id = prints_.add(*output, *recipe, order.value("replace", Json(false)) == Json(true));
+        Result<Decisions> decisions = decide(*recipe);
+        if (!decisions) return decisions.error();
+        decisions->print.outputs = {*output};
+        decisions->print.replace = order.value("replace", Json(false)) == Json(true);
+        if (Status s = convert::check(decisions->print); !s) return s.error();
+        const Result<std::uint64_t> id = prints_.add(*output, *recipe, decisions->print.replace);
         if (!id) return id.error();
         return Json{{"id", *id}};
     }
