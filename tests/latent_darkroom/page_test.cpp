@@ -88,6 +88,8 @@ TEST_F(DarkroomPage, EachControlPrintsAsTheCommandLine) {
         EXPECT_EQ(seen[i + 1]["error"], "");
         EXPECT_TRUE(is_same(bytes_from_base64(seen[i + 1]["tile"]), printed(options)));
         EXPECT_NE(seen[i + 1]["tile"], seen[i]["tile"]);
+        const bool is_mix = steps[i].options[0] == "--light";  // which is seen before it is developed
+        EXPECT_EQ(seen[i + 1]["mixed"] > seen[i]["mixed"], is_mix);
         views.push_back(seen[i + 1]["view"]);
     }
     EXPECT_EQ(seen[steps.size() + 1]["view"], views[steps.size() - 1]);

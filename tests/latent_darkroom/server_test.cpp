@@ -70,6 +70,18 @@ TEST_F(DarkroomServer, ACancelledPrintLeavesNothing) {
     EXPECT_EQ(names, std::vector<std::string>{"small.png"});
 }
 
+TEST_F(DarkroomServer, WhatWasAskedForInAnEarlierTurnIsGivenUp) {
+    const std::string view = view_of({{"latent-recipe", 1}})["view"];
+    const auto tile = [&](const std::string& turn) { return base_ + "api/tile?width=150&area=0,0,1,1&view=" + view + turn; };
+    EXPECT_EQ(status_of(tile("&tab=a&turn=2")), 200);
+    EXPECT_EQ(status_of(tile("&tab=a&turn=1")), 410);
+    EXPECT_EQ(status_of(tile("&tab=b&turn=1")), 200);
+    EXPECT_EQ(status_of(tile("")), 200);
+    EXPECT_EQ(client_->Post(base_ + "api/views?tab=a&turn=1", R"({"latent-recipe": 1})", "application/json")->status, 410);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(status_of(tile("&turn=1&tab=" + std::to_string(i))), 200);
+    EXPECT_EQ(get("api/samples"), (Json{{"samples", 131072}, {"runs", 4}}));
+}
+
 TEST_F(DarkroomServer, BodiesNeedNotNameTheirType) {
     const Json recipe{{"latent-recipe", 1}, {"convert", {{"stops", 1}}}};
     const std::string body = recipe.dump() + std::string(20000, ' ');

@@ -80,7 +80,7 @@ int main(int argc, char** argv) try {
     opened.threads = common.threads;
     const auto engine = darkroom::Engine::open(opened);
     if (!engine) return cli::fail(engine.error());
-    cli::tell((*engine)->runs().report().notes, {}, {});
+    cli::tell((*engine)->runs()->report().notes, {}, {});
     served.inputs = opened.inputs;
     served.print = darkroom::print_command(opened);
     const auto server = darkroom::Server::open(**engine, served);

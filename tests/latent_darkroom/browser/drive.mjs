@@ -7,7 +7,7 @@
 //   {"at": [x, y]}             a click into the window
 //   {"shot": "a.png"}          saves what is seen into FOLDER
 // and the page is waited for after each. Prints a JSON list: for each step {"recipe", "tile" (base64 of the raw pixels of the whole
-// print, at most 512 wide), "error", "text" of the panel}.
+// print, at most 512 wide), "mixed" (how many tiles of light mixes were seen so far), "error", "text" of the panel}.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { startChromium } from "../../support/chromium.mjs";
@@ -57,6 +57,7 @@ async function take(step) {
 const limit = setTimeout(() => { console.error("drive.mjs: not done within 250 s"); chromium.kill(); process.exit(1); }, 250000);
 try {
   await chromium.open(address, width, height, ["Runtime", "Log"]);
+  await evaluate("performance.setResourceTimingBufferSize(100000)");
   await settled();
   const seen = [];
   for (const step of steps) {
@@ -69,6 +70,7 @@ try {
       for (const byte of raw) text += String.fromCharCode(byte);
       return { view, width: w, tile: btoa(text), error: document.getElementById("error").textContent,
                probed: document.getElementById("probed").textContent, jobs: document.getElementById("jobs").textContent,
+               mixed: performance.getEntriesByType("resource").filter((e) => /tile.*mixed=1/.test(e.name) && !e.name.includes("raw")).length,
                clipping: document.getElementById("clipping").textContent };
     })()`));
   }

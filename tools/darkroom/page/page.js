@@ -13,7 +13,7 @@ const $ = (id) => document.getElementById(id);
 async function ask(path, how) {
   const response = await fetch("api/" + path, how);
   const json = await response.json();
-  if (!response.ok) throw new Error(json.error ?? response.statusText);
+  if (!response.ok) throw Object.assign(new Error(json.error ?? response.statusText), { superseded: response.status === 410 });
   return json;
 }
 
@@ -60,8 +60,22 @@ const print_width = () => parseInt(get("develop", "size") ?? state.width, 10) ||
 
 let seen_width = 0; // of the level that tiles were last asked of
 
-/** @param {string} id @param {number} width */
-function source_of(id, width) {
+// What was asked for in an earlier turn, the server gives up: each wish begins a turn.
+const tab = Math.random().toString(36).slice(2);
+let turn = 0;
+/** @type {() => void} */
+let supersede = () => {};
+let superseded = new Promise((done) => { supersede = () => done(undefined); });
+function begin_turn() {
+  ++turn;
+  supersede();
+  superseded = new Promise((done) => { supersede = () => done(undefined); });
+}
+/** @param {boolean} mixed */
+const in_turn = (mixed) => `tab=${tab}&turn=${turn}${mixed ? "&mixed=1" : ""}`;
+
+/** @param {string} id @param {number} width @param {() => string} how */
+function source_of(id, width, how) {
   const height = height_of(width), levels = Math.max(0, Math.ceil(Math.log2(width / 256)));
   return {
     width, height, tileSize: kTile, tileOverlap: 1,  // without, tiles are drawn a pixel too large
@@ -71,7 +85,7 @@ function source_of(id, width) {
       seen_width = w;
       const x0 = Math.min(x * kTile, w - 1), y0 = Math.min(y * kTile, h - 1);
       const area = [Math.max(x0 - 1, 0), Math.max(y0 - 1, 0), Math.min(x0 + kTile + 1, w), Math.min(y0 + kTile + 1, h)];
-      return new URL(`api/tile?view=${id}&width=${w}&area=${area}`, location.href).href;
+      return new URL(`api/tile?view=${id}&width=${w}&area=${area}&${how()}`, location.href).href;
     },
   };
 }
@@ -85,12 +99,14 @@ function loaded(item) {
   });
 }
 
-/** @param {string} id @param {number} width @returns {Promise<any>} */
-const add_image = (id, width) => new Promise((success, failure) =>
-  viewer.addTiledImage({ tileSource: source_of(id, width), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
+/** @param {string} id @param {() => string} how @returns {Promise<any>} */
+const add_image = (id, how) => new Promise((success, failure) =>
+  viewer.addTiledImage({ tileSource: source_of(id, print_width(), how), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
 
 viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
-  const response = await fetch(event.tile.getUrl());
+  const url = new URL(event.tile.getUrl()), asked = url.searchParams.get("turn");
+  if (asked && Number(asked) !== turn) return;
+  const response = await fetch(url);
   if (!response.ok) show_error((await response.json()).error);
 });
 
@@ -98,68 +114,169 @@ viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
 let item;
 /** @type {any} */
 let held; // the print that is compared with
-let wanted = 0, shown = 0, running = false;
+let running = false, finished = 0; // the last turn that is
+/** @type {"" | "mixed" | "exact"} */
+let warm = ""; // which lights are kept apart, as soon as nothing else is to be done
 
-// Puts the view over what is shown, and in its place once all of it is there.
-/** @param {string} id */
-async function show(id) {
-  view = id;
-  const first = viewer.world.getItemCount() === 0, before = item, fresh = await add_image(id, print_width());
+/** Puts the view over what is shown, and in its place once all of it is there. False: it is not wanted any more.
+ * @param {string} id @param {boolean} mixed */
+async function show(id, mixed) {
+  const mine = turn, first = viewer.world.getItemCount() === 0, before = item;
+  const fresh = await add_image(id, () => in_turn(mixed));
   if (held) viewer.world.setItemIndex(held, viewer.world.getItemCount() - 1);
   if (first) viewer.viewport.goHome(true);
-  await loaded(fresh);
+  await Promise.race([loaded(fresh), superseded]);
+  if (turn !== mine) {
+    viewer.world.removeItem(fresh);
+    return false;
+  }
   item = fresh;
   if (before) viewer.world.removeItem(before);
+  return true;
 }
 
-const kPreview = 1.5e6; // samples
-let developed = ""; // the decisions about light of what is shown
+const kPreview = 1.5e6; // samples, which are developed at once
+const kSteps = 8;       // times as many, in each picture until all are in
+/** @typedef {{share: number, mixed: boolean}} Stage */
+/** @type {{light: string, samples: number, stage: Stage, lights_touched: boolean}} */
+const seen = { light: "", samples: 0, stage: { share: 0, mixed: false }, lights_touched: false };
 
-// A preview of some of the samples, where all take a while.
 /** @param {Recipe} asked */
-async function preview(asked) {
-  const share = Number(asked.develop?.fraction ?? 1), fraction = Number((kPreview / state.samples).toPrecision(3));
-  if (fraction > share / 2 || JSON.stringify(asked.develop ?? {}) === developed) return;
-  const made = await ask("views", { method: "POST", body: JSON.stringify({ ...asked, develop: { ...asked.develop, fraction } }) });
-  await show(made.view);
-  $("status").textContent = `preview of ${(100 * fraction).toPrecision(2)} % of the samples; developing the rest …`;
-  await new Promise((later) => setTimeout(later, 300)); // for the next step of a slider
+const light_of = (asked) => JSON.stringify(asked.develop ?? {});
+/** @param {Recipe} asked */
+const without_lights = (asked) => light_of({ ...asked, develop: { ...asked.develop, light: undefined } });
+
+// A part of the samples that is a preview; 1: there are few.
+function first_share() {
+  const share = Number((kPreview / state.samples).toPrecision(3));
+  return share > 0.5 ? 1 : share;
+}
+
+/** Pictures of more and more of the samples; the last is the print. One that has been seen already comes first: it is kept.
+ * @param {Recipe} asked @returns {Stage[]} */
+function stages_of(asked) {
+  const exact = { share: 1, mixed: false }, first = first_share(), same = light_of(asked) === seen.light;
+  if (same && seen.samples > 0 && seen.samples < state.samples) return [exact];  // more samples: what is shown stays until they are in
+  if (same && !seen.stage.mixed && seen.stage.share === 1) return [exact];
+  /** @type {Stage[]} */
+  const stages = [];
+  const mixes = state.light_groups.length > 1 && seen.light !== "" && !same && without_lights(asked) === without_lights(JSON.parse(`{"latent-recipe": 1, "develop": ${seen.light}}`));
+  if (mixes) stages.push({ share: warm === "exact" ? 1 : first, mixed: true });
+  else if (same) stages.push(seen.stage);
+  const from = stages[0]?.share ?? first / kSteps;
+  for (let share = from * kSteps; share < 0.5; share *= kSteps) stages.push({ share, mixed: false });
+  return [...stages, exact];
+}
+
+/** @param {Recipe} asked @param {Stage} stage @returns {Recipe} */
+function at_stage(asked, stage) {
+  if (stage.share === 1) return asked;
+  return { ...asked, develop: { ...asked.develop, fraction: Number((stage.share * Number(asked.develop?.fraction ?? 1)).toPrecision(3)) } };
+}
+
+/** @param {Recipe} asked @param {boolean} mixed */
+const ask_view = (asked, mixed) => ask(`views?${in_turn(mixed)}`, { method: "POST", body: JSON.stringify(asked) });
+const rest = (/** @type {number} */ ms) => Promise.race([superseded, new Promise((later) => setTimeout(later, ms))]);
+
+/** @param {string} text */
+function badge(text) {
+  $("badge").textContent = text;
+  $("badge").hidden = !text;
+}
+/** @param {Stage} stage */
+function badge_of(stage) {
+  if (stage.mixed && stage.share === 1) return "lights mixed · the exact picture follows";
+  return `preview of ${(100 * stage.share).toPrecision(2)} % of the samples · more follow`;
+}
+
+/** @param {Recipe} asked */
+async function show_stages(asked) {
+  const mine = turn;
+  for (const stage of stages_of(asked)) {
+    const exact = stage.share === 1 && !stage.mixed;
+    const made = await ask_view(at_stage(asked, stage), stage.mixed);
+    show_error("");
+    if (exact) {
+      commands = made.commands;
+      if (recipe === asked) keep(made.recipe);
+    }
+    if (!exact || made.view !== view || !item || seen.samples < state.samples) {
+      if (!await show(made.view, stage.mixed)) return;
+    }
+    Object.assign(seen, { light: light_of(asked), stage, samples: exact ? state.samples : 0 });
+    view = made.view;
+    badge(exact ? "" : badge_of(stage));
+    await show_histogram(made.view, stage.mixed);
+    if (!exact) await rest(300); // for the next step of a slider
+    if (exact) finished = mine;
+  }
 }
 
 // Shows the recipe: one view at a time, and always the last one that was asked for.
 async function update() {
-  ++wanted;
+  begin_turn();
+  document.body.dataset.settled = "";
   if (running) return;
   running = true;
-  while (shown !== wanted) {
-    const now = wanted, asked = recipe;
-    document.body.dataset.settled = "";
-    $("status").textContent = "developing: what is seen is not up to date …";
+  while (finished !== turn) {
+    const now = turn;
+    const late = setTimeout(() => $("badge").textContent || badge("developing …"), 200);
     try {
-      await preview(asked);
-      if (now !== wanted) continue;
-      const made = await ask("views", { method: "POST", body: JSON.stringify(asked) });
-      show_error("");
-      commands = made.commands;
-      if (recipe === asked) keep(made.recipe);
-      if (made.view !== view || !item) await show(made.view);
-      developed = JSON.stringify(asked.develop ?? {});
-      await show_histogram(made.view);
+      await show_stages(recipe);
     } catch (error) {
-      show_error(error);
+      if (!(/** @type {any} */ (error).superseded)) {
+        show_error(error);
+        badge("");
+        item?.reset(); // tiles of it may have been given up
+        finished = now;
+      }
     }
-    shown = now;
+    clearTimeout(late);
   }
   running = false;
-  $("status").textContent = "";
   document.body.dataset.settled = view ?? "";
+  keep_lights_apart();
 }
 
-/** @param {string} id */
-async function show_histogram(id) {
+// So that the next mix is there at once: of a part of the samples; of all, once lights have been touched.
+async function keep_lights_apart() {
+  if (state.light_groups.length < 2 || running) return;
+  const mine = turn, shares = [first_share(), ...(seen.lights_touched ? [1] : [])];
+  warm = "";
+  try {
+    for (const share of shares) {
+      const made = await ask_view(at_stage(recipe, { share, mixed: true }), true), w = seen_width;
+      const centre = viewer.viewport.getCenter(), x = inside(centre.x, w), y = inside(centre.y, height_of(w), w);
+      const response = await fetch(`api/tile?view=${made.view}&width=${w}&area=${x},${y},${x + 1},${y + 1}&format=raw&${in_turn(true)}`);
+      if (!response.ok || turn !== mine) return;
+      warm = share === 1 ? "exact" : "mixed";
+    }
+  } catch { /* given up */ }
+}
+/** A pixel inside. @param {number} v @param {number} most */
+const inside = (v, most, scale = most) => Math.floor(Math.min(Math.max(v * scale, 0), most - 1));
+
+// Files that grow: looked at now and then, while somebody looks at the page.
+function show_samples() {
+  const per_pixel = state.samples / (state.width * state.height);
+  $("samples").textContent = `${state.samples.toLocaleString("en")} samples, ${per_pixel.toPrecision(3)} for each of ${state.width} × ${state.height} pixels`;
+}
+setInterval(async () => {
+  if (running || document.hidden) return;
+  try {
+    const now = await ask("samples");
+    if (now.samples <= state.samples || running) return;
+    state.samples = now.samples;
+    show_samples();
+    update();
+  } catch { /* the server has ended, or will answer again */ }
+}, 2000);
+
+/** @param {string} id @param {boolean} mixed */
+async function show_histogram(id, mixed) {
   let width = seen_width; // what is developed already, but no more than there is a histogram of
   while (Math.max(width, height_of(width)) > 2048) width = Math.ceil(width / 2);
-  const h = await ask(`histogram?view=${id}&width=${width}`);
+  const h = await ask(`histogram?view=${id}&width=${width}&${in_turn(mixed)}`);
   const canvas = $("histogram"), context = canvas.getContext("2d");
   context.clearRect(0, 0, canvas.width, canvas.height);
   context.globalCompositeOperation = "lighter";
@@ -289,6 +406,7 @@ function put_lights(settings) {
     if (parts.length > 0) texts.push(`${name}=${parts.join(",")}`);
   }
   put("develop", "light", texts.length > 0 ? texts : undefined);
+  seen.lights_touched = true;
   changed();
 }
 /** @param {string} name @param {Partial<Setting>} change */
@@ -355,9 +473,9 @@ function show_crop() {
   viewer.addOverlay({ element: frame, location: new OpenSeadragon.Rect(x0, y0, x1 - x0, y1 - y0) });
 }
 $("cut").addEventListener("click", () => {
-  const seen = viewer.viewport.getBounds(true), w = print_width(), h = height_of(w);
-  const inside = (/** @type {number} */ v, /** @type {number} */ most) => Math.round(Math.min(Math.max(v * w, 0), most));
-  const crop = [inside(seen.x, w), inside(seen.y, h), inside(seen.x + seen.width, w), inside(seen.y + seen.height, h)];
+  const bounds = viewer.viewport.getBounds(true), w = print_width(), h = height_of(w);
+  const edge = (/** @type {number} */ v, /** @type {number} */ most) => Math.round(Math.min(Math.max(v * w, 0), most));
+  const crop = [edge(bounds.x, w), edge(bounds.y, h), edge(bounds.x + bounds.width, w), edge(bounds.y + bounds.height, h)];
   if (crop[0] < crop[2] && crop[1] < crop[3]) put("develop", "crop", crop.join(","));
   changed();
 });
@@ -416,7 +534,7 @@ async function compare() {
     viewer.world.removeItem(held);
     held = undefined;
   } else if (view) {
-    held = await add_image(view, print_width());
+    held = await add_image(view, () => "");
   }
   $("hold").setAttribute("aria-pressed", String(Boolean(held)));
   show_divider();
@@ -516,5 +634,6 @@ document.addEventListener("keydown", (event) => {
   keys[event.key]?.();
 });
 
+show_samples();
 show_controls();
 update();

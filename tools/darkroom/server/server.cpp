@@ -4,6 +4,7 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -56,6 +57,8 @@ int status_of(const Error& error) {
             return 404;
         case ErrorCode::kExists:
             return 409;
+        case ErrorCode::kStopped:
+            return 410;
         default:
             return 500;
     }
@@ -104,6 +107,32 @@ class Views {
     mutable std::mutex mutex_;
     std::map<std::string, Recipe> views_;
     std::vector<std::string> order_;  // oldest first
+};
+
+// The last turn of each page: what pages asked for in earlier turns is given up.
+class Turns {
+ public:
+    // Of a request with &tab=NAME&turn=N; one without is never given up.
+    Stopped stopped(const Request& request) {
+        const Result<std::uint64_t> asked = parse_count(request.get_param_value("turn"));
+        const std::string tab = request.get_param_value("tab").substr(0, 32);
+        if (tab.empty() || !asked) return {};
+        const std::scoped_lock lock(mutex_);
+        constexpr std::size_t kTabs = 64;
+        auto last = std::ranges::find(tabs_, tab, &Tab::first);
+        if (last == tabs_.end()) {
+            if (tabs_.size() == kTabs) tabs_.erase(tabs_.begin());
+            last = tabs_.emplace(tabs_.end(), tab, std::make_shared<std::atomic<std::uint64_t>>());
+        }
+        const auto turn = last->second;
+        if (*asked > *turn) *turn = *asked;
+        return [turn, asked = *asked] { return *turn > asked; };
+    }
+
+ private:
+    using Tab = std::pair<std::string, std::shared_ptr<std::atomic<std::uint64_t>>>;
+    std::mutex mutex_;
+    std::vector<Tab> tabs_;  // oldest first
 };
 
 Result<std::uint64_t> number(const Request& request, const char* name, std::uint64_t most) {
@@ -176,9 +205,9 @@ class HttpServer final : public Server {
         });
         return whole ? std::optional(std::move(body)) : std::nullopt;
     }
-    void post(const std::string& path, std::function<Result<Json>(const std::string& body)> work) {
-        http_.Post(at(path), [work](const Request&, Response& response, const httplib::ContentReader& reader) {
-            if (const std::optional<std::string> body = body_of(reader)) answer(response, work(*body));
+    void post(const std::string& path, std::function<Result<Json>(const Request&, const std::string& body)> work) {
+        http_.Post(at(path), [work](const Request& request, Response& response, const httplib::ContentReader& reader) {
+            if (const std::optional<std::string> body = body_of(reader)) answer(response, work(request, *body));
         });
     }
 
@@ -189,10 +218,15 @@ class HttpServer final : public Server {
             });
         }
         http_.Get(at("api/state"), [this](const Request&, Response& response) { answer(response, state()); });
+        http_.Get(at("api/samples"), [this](const Request&, Response& response) {
+            engine_.look_again();
+            const auto runs = engine_.runs();
+            answer(response, Json{{"samples", runs->coverage().size()}, {"runs", runs->runs().size()}});
+        });
     }
 
     void add_views() {
-        post("api/views", [this](const std::string& body) { return new_view(body); });
+        post("api/views", [this](const Request& request, const std::string& body) { return new_view(request, body); });
         http_.Get(at("api/tile"), [this](const Request& request, Response& response) {
             const Result<convert::CodeValues> tile = this->tile(request);
             if (!tile) return fail(response, status_of(tile.error()), tile.error().message);
@@ -224,7 +258,7 @@ class HttpServer final : public Server {
                 jobs.push_back({{"id", job.id}, {"name", job.name}, {"state", name_of(job.state)}, {"message", job.message}});
             answer(response, jobs);
         });
-        post("api/prints", [this](const std::string& body) { return new_print(body); });
+        post("api/prints", [this](const Request&, const std::string& body) { return new_print(body); });
         http_.Delete(at("api/prints/(\\d{1,18})"), [this](const Request& request, Response& response) {
             prints_.cancel(*parse_count(std::string(request.matches[1])));
             answer(response, Json::object());
@@ -232,7 +266,8 @@ class HttpServer final : public Server {
     }
 
     Result<Json> state() const {
-        const sampledb::RunSet& runs = engine_.runs();
+        const std::shared_ptr<const sampledb::RunSet> opened = engine_.runs();
+        const sampledb::RunSet& runs = *opened;
         const develop::Size size = engine_.default_size();
         Json inputs = Json::array();
         for (const std::filesystem::path& input : inputs_) inputs.push_back(input.filename().string());
@@ -259,10 +294,10 @@ class HttpServer final : public Server {
         return state;
     }
 
-    Result<Json> new_view(const std::string& body) {
+    Result<Json> new_view(const Request& request, const std::string& body) {
         const Result<Recipe> recipe = parse_recipe(body);
         if (!recipe) return recipe.error();
-        Result<Recipe> resolved = engine_.resolve(*recipe);
+        Result<Recipe> resolved = engine_.resolve(*recipe, turns_.stopped(request));
         if (!resolved) return resolved.error();
         return Json{
             {"view", views_.keep(*resolved)}, {"recipe", *resolved}, {"commands", commands_for(*resolved, inputs_, "print")}};
@@ -271,15 +306,16 @@ class HttpServer final : public Server {
     struct Asked {
         Recipe recipe;
         develop::Size size;
+        ViewOptions options;
     };
-    Result<Asked> asked(const Request& request) const {
+    Result<Asked> asked(const Request& request) {
         Result<Recipe> recipe = views_.find(request.get_param_value("view"));
         if (!recipe) return recipe.error();
         const Result<std::uint64_t> width = number(request, "width", develop::kMaxSide);
         if (!width) return width.error();
         const Result<develop::Size> size = engine_.size_of_width(static_cast<std::uint32_t>(*width));
         if (!size) return size.error();
-        return Asked{*std::move(recipe), *size};
+        return Asked{*std::move(recipe), *size, {request.get_param_value("mixed") == "1", turns_.stopped(request)}};
     }
 
     Result<convert::CodeValues> tile(const Request& request) {
@@ -290,13 +326,13 @@ class HttpServer final : public Server {
         const image::Rect pixels{(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
         if (pixels.width() > kLargestTile || pixels.height() > kLargestTile)
             return usage_error(fmt::format("area: at most {0} x {0} pixels", kLargestTile));
-        return engine_.view(view->recipe, view->size, pixels);
+        return engine_.view(view->recipe, view->size, pixels, view->options);
     }
 
     Result<Json> histogram(const Request& request) {
         const Result<Asked> view = asked(request);
         if (!view) return view.error();
-        const Result<Histogram> histogram = engine_.histogram(view->recipe, view->size);
+        const Result<Histogram> histogram = engine_.histogram(view->recipe, view->size, view->options);
         if (!histogram) return histogram.error();
         return Json{{"red", histogram->counts[0]},
                     {"green", histogram->counts[1]},
@@ -312,7 +348,8 @@ class HttpServer final : public Server {
         if (!view) return view.error();
         const Result<std::uint64_t> x = number(request, "x", view->size.width - 1), y = number(request, "y", view->size.height - 1);
         if (!x || !y) return x ? y.error() : x.error();
-        const Result<Probe> probe = engine_.probe(view->recipe, view->size, static_cast<int>(*x), static_cast<int>(*y));
+        const Result<Probe> probe =
+            engine_.probe(view->recipe, view->size, static_cast<int>(*x), static_cast<int>(*y), view->options.stopped);
         if (!probe) return probe.error();
         Json json{{"observer", probe->observer.empty() ? "cie1931" : probe->observer},
                   {"values", probe->values},
@@ -347,6 +384,7 @@ class HttpServer final : public Server {
     Folder folder_;
     Prints prints_;
     Views views_;
+    Turns turns_;
     std::string token_;
     int port_ = 0;
     httplib::Server http_;
