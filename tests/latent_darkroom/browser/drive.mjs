@@ -4,6 +4,7 @@
 //   {"set": {"stops": 1}}      controls by their ids or selectors, as hands would set them (true: a check box is clicked)
 //   {"click": "undo"}          a button; or an element's selector, {"click": "#groups button"}
 //   {"key": "."}               a key
+//   {"wait": ".a"}             until there is such an element
 //   {"at": [x, y]}             a click into the window
 //   {"shot": "a.png"}          saves what is seen into FOLDER
 // and the page is waited for after each. Prints a JSON list: for each step {"recipe", "tile" (base64 of the raw pixels of the whole
@@ -39,12 +40,17 @@ async function take(step) {
   }
   if (step.click) {
     const [x, y] = await evaluate(`{ const e = document.querySelector(${JSON.stringify(selector(step.click))});
+      e.closest("details")?.setAttribute("open", "");
       e.scrollIntoView({ block: "center" }); const r = e.getBoundingClientRect(); [r.x + r.width / 2, r.y + r.height / 2] }`);
     await click(x, y);
   }
   if (step.key) {
     await send("Input.dispatchKeyEvent", { type: "keyDown", key: step.key, text: step.key });
     await send("Input.dispatchKeyEvent", { type: "keyUp", key: step.key });
+  }
+  for (let waited = 0; step.wait && !(await evaluate(`Boolean(document.querySelector(${JSON.stringify(step.wait)}))`)); ++waited) {
+    if (waited > 600) throw new Error(`${step.wait} does not come`);
+    await pause(100);
   }
   if (step.at) await click(...step.at);
   await pause(500); // glides and answers that change no view
@@ -68,7 +74,7 @@ try {
       const raw = new Uint8Array(await (await fetch(\`api/tile?view=\${view}&width=\${w}&area=0,0,\${w},\${h}&format=raw\`)).arrayBuffer());
       let text = "";
       for (const byte of raw) text += String.fromCharCode(byte);
-      return { view, width: w, tile: btoa(text), error: document.getElementById("error").textContent,
+      return { view, recipe: JSON.parse(document.body.dataset.recipe), width: w, tile: btoa(text), error: document.getElementById("error").textContent,
                probed: document.getElementById("probed").textContent, jobs: document.getElementById("jobs").textContent,
                mixed: performance.getEntriesByType("resource").filter((e) => /tile.*mixed=1/.test(e.name) && !e.name.includes("raw")).length,
                clipping: document.getElementById("clipping").textContent };

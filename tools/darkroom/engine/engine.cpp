@@ -26,10 +26,10 @@ namespace {
 
 constexpr int kBlock = 2048;
 
-// Of --memory, half keeps pictures; the rest develops one and prints another at the same time.
-std::uint64_t memory_to_keep(const EngineOptions& options) { return options.memory / 2; }
+// Of --memory: pictures are kept while one is developed and another printed.
+std::uint64_t memory_to_keep(const EngineOptions& options) { return options.memory / 8 * 3; }
 std::uint64_t memory_to_develop(const EngineOptions& options) { return options.memory / 8 * 3; }
-std::uint64_t memory_to_print(const EngineOptions& options) { return options.memory / 8; }
+std::uint64_t memory_to_print(const EngineOptions& options) { return options.memory / 4; }
 
 sampledb::RunSetOptions selection_of(const EngineOptions& options, sampledb::VerifyLevel verify) {
     sampledb::RunSetOptions selection;

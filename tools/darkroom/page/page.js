@@ -234,6 +234,7 @@ async function update() {
     clearTimeout(late);
   }
   running = false;
+  document.body.dataset.recipe = JSON.stringify(recipe);
   document.body.dataset.settled = view ?? "";
   keep_lights_apart();
 }
@@ -259,7 +260,7 @@ const inside = (v, most, scale = most) => Math.floor(Math.min(Math.max(v * scale
 // Files that grow: looked at now and then, while somebody looks at the page.
 function show_samples() {
   const per_pixel = state.samples / (state.width * state.height);
-  $("samples").textContent = `${state.samples.toLocaleString("en")} samples, ${per_pixel.toPrecision(3)} for each of ${state.width} × ${state.height} pixels`;
+  $("samples").textContent = `${state.samples.toLocaleString("en")} samples, ${per_pixel.toPrecision(3)} a pixel of ${state.width} × ${state.height}`;
 }
 setInterval(async () => {
   if (running || document.hidden) return;
@@ -356,6 +357,13 @@ bind("observer", "develop", "observer", "");
 bind("filter", "develop", "lens-filter", "");
 bind("size", "develop", "size", state.width);
 bind("crop", "develop", "crop", "");
+bind("proof", "convert", "proof", "");
+bind("intent", "convert", "intent", "perceptual");
+bind("glare", "convert", "glare", "");
+bind("shutter", "develop", "shutter", "");
+bind("exposure-follows", "develop", "exposure-follows", false);
+bind("enlarger", "convert", "print-exposure", 0, signed);
+bind("grain", "convert", "grain", false);
 
 shows.push(() => { $("sensitivity").textContent = `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
 $("auto").addEventListener("click", () => { put("convert", "sensitivity", undefined); put("convert", "auto", true); changed(); });
@@ -379,6 +387,38 @@ $("kelvin").addEventListener("input", () => { put("convert", "white", `${$("kelv
 
 $("aperture").addEventListener("change", () => { put("develop", "aperture", $("aperture").value && `f:${$("aperture").value}`); changed(); });
 shows.push(() => { $("aperture").value = /^f:([\d.]+)$/.exec(get("develop", "aperture") ?? "")?.[1] ?? ""; });
+
+// --- Film and paper: the exposures of a film need a paper, which decides much of the rest.
+
+/** What a recipe on this film has, on this paper or with this look. @param {Recipe} from @param {{film?: string, paper?: string, look?: string}} chosen @returns {Recipe} */
+function on_film(from, { film, paper, look }) {
+  const develop = { ...from.develop, film }, convert = { ...from.convert, paper, look };
+  for (const key of ["observer", "camera-output", "raw-balance"]) delete develop[key];
+  for (const key of ["white", "sensitivity", "print-exposure", "grain"]) delete convert[key];
+  if (film && paper !== "scan") for (const key of ["tone", "contrast", "black"]) delete convert[key];
+  for (const section of [develop, convert]) for (const key of Object.keys(section)) if (!section[key]) delete section[key];
+  return { ...from, develop, convert };
+}
+/** @param {{film?: string, paper?: string, look?: string}} chosen */
+function choose_film(chosen) {
+  recipe = on_film(recipe, chosen);
+  changed();
+}
+for (const [id, entries] of /** @type {[string, any[]][]} */ ([["film", state.films], ["look", state.looks],
+  ["paper", [{ name: "scan", what: "scanned, without paper" }, { name: "light-table", what: "" }, { name: "projection", what: "" }, ...state.papers]]]))
+  for (const entry of entries) $(id).append(Object.assign(new Option(entry.name), { title: entry.what }));
+const film_of_look = (/** @type {string} */ look) => state.looks.find((/** @type {any} */ l) => l.name === look)?.film;
+$("film").addEventListener("change", () => choose_film({ film: $("film").value, paper: $("film").value && ($("paper").value || "scan") }));
+$("paper").addEventListener("change", () => choose_film({ film: $("paper").value && ($("film").value || "portra-400"), paper: $("paper").value }));
+$("look").addEventListener("change", () => choose_film({ film: film_of_look($("look").value), look: $("look").value }));
+shows.push(() => {
+  const film = get("develop", "film"), paper = get("convert", "paper"), look = get("convert", "look");
+  $("film").value = film ?? "", $("paper").value = paper ?? "", $("look").value = look ?? "";
+  $("on-film").hidden = !film;
+  for (const part of document.querySelectorAll(".plain"))
+    for (const control of /** @type {NodeListOf<HTMLInputElement>} */ (part.querySelectorAll("input, select, button")))
+      control.disabled = Boolean(film) && !(paper === "scan" && control.closest("details")?.contains($("tone")));
+});
 
 // --- Light mix: "NAME=6500K,wratten-80a,2.5".
 
@@ -423,14 +463,13 @@ for (const name of /** @type {string[]} */ (state.light_groups)) {
   row.className = "group";
   /** @param {string} tag @param {Section} properties */
   const add = (tag, properties, to = row) => to.appendChild(Object.assign(document.createElement(tag), properties));
-  add("b", { textContent: name });
-  const off = add("button", { textContent: "Mute" }), solo = add("button", { textContent: "Solo" });
+  add("b", { textContent: name, title: name });
+  const stops = /** @type {any} */ (add("input", { type: "range", min: "-6", max: "6", step: "0.05" })), output = add("output", {});
+  const below = add("div", {}), off = add("button", { textContent: "Mute" }, below), solo = add("button", { textContent: "Solo" }, below);
   off.setAttribute("aria-label", `Mute ${name}`);
   solo.setAttribute("aria-label", `Solo ${name}`);
-  const label = /** @type {any} */ (add("label", { className: "slide", textContent: "Stops " }));
-  const stops = /** @type {any} */ (add("input", { type: "range", min: "-6", max: "6", step: "0.05" }, label)), output = add("output", {}, label);
   stops.setAttribute("aria-label", `Stops of ${name}`);
-  const kelvin = /** @type {any} */ (add("input", { type: "number", min: "1000", max: "25000", step: "100", placeholder: "K" }, label));
+  const kelvin = /** @type {any} */ (add("input", { type: "number", min: "1000", max: "25000", step: "100", placeholder: "kelvin" }, below));
   kelvin.setAttribute("aria-label", `Colour temperature of ${name} in kelvin`);
   kelvin.hidden = !state.spectral;
   stops.addEventListener("input", () => put_light(name, { factor: 2 ** Number(stops.value) }));
@@ -457,8 +496,11 @@ for (const name of /** @type {string[]} */ (state.light_groups)) {
 $("light").hidden = state.light_groups.length === 0;
 $("seen").hidden = !state.spectral;
 $("lens").hidden = state.f_number === null;
+$("exposing").hidden = !state.shutter;
+$("follows").hidden = state.f_number === null && !state.shutter;
 if (state.f_number !== null) Object.assign($("aperture"), { placeholder: state.f_number.toFixed(1), min: state.f_number.toFixed(1) });
 for (const o of state.observers) $("observers").append(Object.assign(document.createElement("option"), { value: o.name, label: o.what }));
+for (const path of state.profiles) $("proofs").append(Object.assign(document.createElement("option"), { value: path }));
 for (const f of state.lens_filters) $("filters").append(Object.assign(document.createElement("option"), { value: f }));
 
 // --- Crop, in pixels of the print.
@@ -479,7 +521,33 @@ $("cut").addEventListener("click", () => {
   if (crop[0] < crop[2] && crop[1] < crop[3]) put("develop", "crop", crop.join(","));
   changed();
 });
-$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); changed(); });
+$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); put("convert", "dpi", undefined); changed(); });
+
+// The shape of the paper, as large as fits into what is in view, gets the pixels that the paper has: so the width of the whole picture
+// follows.
+$("to-paper").addEventListener("click", () => {
+  const dpi = Number($("dpi").value), [across, down] = [$("paper-width"), $("paper-height")].map((side) => Math.round(Number(side.value) / 2.54 * dpi));
+  if (!(dpi > 0 && across > 0 && down > 0)) return;
+  const bounds = viewer.viewport.getBounds(true), top = 1 / (state.aspect[0] / state.aspect[1]);
+  const x0 = Math.max(bounds.x, 0), y0 = Math.max(bounds.y, 0);
+  const w = Math.min(bounds.x + bounds.width, 1) - x0, h = Math.min(bounds.y + bounds.height, top) - y0;
+  if (!(w > 0 && h > 0)) return;
+  const part = Math.min(w, h * across / down);  // of the picture's width
+  const width = Math.ceil(across / part), height = height_of(width);
+  const left = Math.round(Math.min((x0 + (w - part) / 2) * width, width - across)), upper = Math.round(Math.min((y0 + (h - part * down / across) / 2) * width, height - down));
+  put("develop", "size", width);
+  put("develop", "crop", [Math.max(left, 0), Math.max(upper, 0), Math.max(left, 0) + across, Math.max(upper, 0) + Math.min(down, height)].join(","));
+  put("convert", "dpi", dpi);
+  view = undefined;
+  changed();
+});
+shows.push(() => {
+  const dpi = get("convert", "dpi"), width = print_width(), numbers = String(get("develop", "crop") ?? "").split(",").map(Number);
+  const [x0, y0, x1, y1] = numbers.length === 4 ? numbers : [0, 0, width, height_of(width)];
+  const cm = (/** @type {number} */ pixels) => (pixels / dpi * 2.54).toFixed(1);
+  $("on-paper").textContent = `${x1 - x0} × ${y1 - y0} pixels${dpi ? `, ${cm(x1 - x0)} × ${cm(y1 - y0)} cm` : ""}, ${(state.samples / (width * height_of(width))).toPrecision(3)} samples each`;
+  if (dpi) $("dpi").value = dpi;
+});
 $("size").addEventListener("change", () => { put("develop", "crop", undefined); view = undefined; });
 
 // --- Probe, and picking a neutral.
@@ -553,23 +621,70 @@ divider.addEventListener("keydown", (/** @type {KeyboardEvent} */ e) => {
 
 // --- Recipes, prints, commands.
 
+/** @param {() => Promise<void>} work */
+const carefully = (work) => async () => { try { show_error(""); await work(); } catch (error) { show_error(error); } };
+
+// --- Choices by eye: the print in view, small and of few samples, with each of them.
+
+let sheet = 0; // the last that was opened
+/** @param {string} title @param {{name: string, what?: string, recipe: () => Promise<Recipe>, take: () => void}[]} choices */
+async function show_sheet(title, choices) {
+  const mine = ++sheet, width = 240, share = Math.min(1, Number((3e5 / state.samples).toPrecision(3)));
+  $("sheet-title").textContent = title;
+  const buttons = choices.map((choice) => {
+    const button = document.createElement("button");
+    button.append(Object.assign(document.createElement("img"), { alt: "", width, height: height_of(width) }), choice.name, ...(choice.what ? [document.createElement("br"), Object.assign(document.createElement("small"), { textContent: choice.what })] : []));
+    button.addEventListener("click", () => { $("sheet").close(); choice.take(); });
+    return button;
+  });
+  $("thumbnails").replaceChildren(...buttons);
+  $("sheet").showModal();
+  for (const [i, choice] of choices.entries()) {
+    if (sheet !== mine || !$("sheet").open) return;
+    try {
+      const whole = await choice.recipe(), develop = { ...whole.develop };
+      delete develop.size;
+      delete develop.crop;
+      const made = await ask("views", { method: "POST", body: JSON.stringify(at_stage({ ...whole, develop }, { share, mixed: false })) });
+      const image = /** @type {HTMLImageElement} */ (buttons[i].firstChild);
+      image.src = new URL(`api/tile?view=${made.view}&width=${width}&area=0,0,${width},${height_of(width)}`, location.href).href;
+      image.alt = `The print with ${choice.name}`;
+      await image.decode();
+    } catch (error) {
+      buttons[i].title = String(/** @type {any} */ (error).message);
+      buttons[i].append(document.createElement("br"), Object.assign(document.createElement("small"), { textContent: buttons[i].title }));
+    }
+  }
+}
+$("eye-films").addEventListener("click", () => show_sheet("Films, scanned, and looks of film and paper", [
+  ...state.looks.map((/** @type {any} */ l) => ({ name: l.name, what: `${l.film}: ${l.what}`, recipe: async () => on_film(recipe, { film: l.film, look: l.name }), take: () => choose_film({ film: l.film, look: l.name }) })),
+  ...state.films.map((/** @type {any} */ f) => ({ name: f.name, what: f.what, recipe: async () => on_film(recipe, { film: f.name, paper: "scan" }), take: () => choose_film({ film: f.name, paper: "scan" }) })),
+]));
+$("eye-observers").addEventListener("click", () => show_sheet("Observers, cameras and black-and-white films", state.observers.map((/** @type {any} */ o) => {
+  const seen_by = () => { const from = on_film(recipe, {}); return { ...from, develop: { ...from.develop, observer: o.name } }; };
+  return { name: o.name, what: o.what, recipe: async () => seen_by(), take: () => { recipe = seen_by(); changed(); } };
+})));
+const read_recipe = (/** @type {string} */ name) => ask(`recipes/${encodeURIComponent(name)}`);
+$("eye-recipes").addEventListener("click", carefully(async () => show_sheet("Saved recipes", (await ask("recipes")).map((/** @type {string} */ name) => (
+  { name, recipe: () => read_recipe(name), take: () => load_recipe(name) })))));
+async function load_recipe(/** @type {string} */ name) {
+  recipe = await read_recipe(name);
+  $("name").value = name;
+  view = undefined;
+  changed();
+}
+
 /** @param {string[]} names */
 function list_recipes(names) {
   $("recipes").replaceChildren(new Option(""), ...names.map((name) => new Option(name)));
 }
 list_recipes(state.recipes);
-/** @param {() => Promise<void>} work */
-const carefully = (work) => async () => { try { show_error(""); await work(); } catch (error) { show_error(error); } };
 $("save").addEventListener("click", carefully(async () => {
   await ask(`recipes/${encodeURIComponent($("name").value)}`, { method: "PUT", body: JSON.stringify(recipe) });
   list_recipes(await ask("recipes"));
 }));
 $("recipes").addEventListener("change", carefully(async () => {
-  if (!$("recipes").value) return;
-  recipe = await ask(`recipes/${encodeURIComponent($("recipes").value)}`);
-  $("name").value = $("recipes").value;
-  view = undefined;
-  changed();
+  if ($("recipes").value) await load_recipe($("recipes").value);
 }));
 $("print").addEventListener("click", carefully(async () => {
   const name = `${$("name").value}.${$("format").value}`;
@@ -587,7 +702,13 @@ async function show_prints() {
   for (;;) {
     const jobs = await ask("prints");
     $("jobs").replaceChildren(...jobs.map((/** @type {any} */ job) => {
-      const line = Object.assign(document.createElement("li"), { textContent: `${job.name}: ${job.state} ${job.message} ` });
+      const percent = job.done === null ? "" : ` ${Math.round(100 * job.done)} %`;
+      const line = Object.assign(document.createElement("li"), { textContent: `${job.name}: ${job.message && job.state === "running" ? "" : job.state} ${job.message}${percent} ` });
+      if (job.state === "running") {
+        const bar = Object.assign(document.createElement("progress"), { max: 1 });
+        if (job.done !== null) bar.value = job.done;
+        line.append(bar);
+      }
       if (job.state === "waiting" || job.state === "running") {
         const stop = line.appendChild(Object.assign(document.createElement("button"), { textContent: "Cancel" }));
         stop.addEventListener("click", () => ask(`prints/${job.id}`, { method: "DELETE" }));

@@ -16,6 +16,7 @@
 #include "color/catalogue.h"
 #include "color/film/material.h"
 #include "tools/convert/convert.h"
+#include "tools/convert/looks.h"
 #include "tools/darkroom/engine/decisions.h"
 #include "tools/darkroom/server/bitmap.h"
 #include "tools/darkroom/server/commands.h"
@@ -255,7 +256,11 @@ class HttpServer final : public Server {
         http_.Get(at("api/prints"), [this](const Request&, Response& response) {
             Json jobs = Json::array();
             for (const PrintJob& job : prints_.list())
-                jobs.push_back({{"id", job.id}, {"name", job.name}, {"state", name_of(job.state)}, {"message", job.message}});
+                jobs.push_back({{"id", job.id},
+                                {"name", job.name},
+                                {"state", name_of(job.state)},
+                                {"message", job.message},
+                                {"done", job.done ? Json(*job.done) : Json()}});
             answer(response, jobs);
         });
         post("api/prints", [this](const Request&, const std::string& body) { return new_print(body); });
@@ -271,10 +276,15 @@ class HttpServer final : public Server {
         const develop::Size size = engine_.default_size();
         Json inputs = Json::array();
         for (const std::filesystem::path& input : inputs_) inputs.push_back(input.filename().string());
-        Json observers = Json::array(), films = Json::array(), filters = Json::array();
+        Json observers = Json::array(), filters = Json::array();
         for (const color::CatalogueEntry& entry : color::observer_catalogue())
             observers.push_back({{"name", entry.name}, {"what", entry.what}});
         for (const color::CatalogueEntry& entry : color::lens_filter_catalogue()) filters.push_back(entry.name);
+        Json stocks = Json::array(), papers = Json::array(), looks = Json::array();
+        for (const film::Material& material : film::materials())
+            (material.in_camera() ? stocks : papers).push_back({{"name", material.name}, {"what", material.title}});
+        for (const convert::NamedLook& look : convert::looks())
+            looks.push_back({{"name", look.name}, {"film", look.film}, {"what", look.what}});
         const bool spectral = runs.job().kind == sampledb::RecordKind::kSpectral;
         Json state{{"version", LATENT_VERSION},
                    {"inputs", inputs},
@@ -287,6 +297,10 @@ class HttpServer final : public Server {
                    {"light_groups", engine_.light_groups()},
                    {"observers", spectral ? observers : Json::array()},
                    {"lens_filters", spectral ? filters : Json::array()},
+                   {"films", spectral ? stocks : Json::array()},
+                   {"papers", papers},
+                   {"looks", looks},
+                   {"profiles", folder_.profiles()},
                    {"f_number", nullptr},
                    {"shutter", engine_.knows_shutter()},
                    {"recipes", folder_.recipes()}};
