@@ -55,6 +55,13 @@ std::string state_of_files(const std::vector<std::filesystem::path>& inputs) {
     return state;
 }
 
+std::vector<std::string> light_groups_in(const sampledb::RunSet& runs) {
+    std::vector<std::string> names;
+    const Result<std::vector<develop::LightGroup>> groups = develop::light_groups_of(runs);
+    if (groups) std::ranges::transform(*groups, std::back_inserter(names), &develop::LightGroup::name);
+    return names;
+}
+
 develop::PixelRect pixels_of(const Rect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
 
 std::string text_of(const develop::Size& size) { return fmt::format("{}x{}", size.width, size.height); }
@@ -74,7 +81,11 @@ develop::PictureOptions picture_of(const Decisions& decisions, const develop::Si
 }  // namespace
 
 Engine::Engine(EngineOptions options, std::unique_ptr<sampledb::RunSet> runs, std::string files)
-    : options_(std::move(options)), opened_{std::move(runs), std::move(files)}, cache_(memory_to_keep(options_)) {}
+    : options_(std::move(options)), cache_(memory_to_keep(options_)) {
+    opened_.light_groups = light_groups_in(*runs);
+    opened_.runs = std::move(runs);
+    opened_.files = std::move(files);
+}
 
 Result<std::unique_ptr<Engine>> Engine::open(EngineOptions options) {
     std::string files = state_of_files(options.inputs);
@@ -92,8 +103,10 @@ Engine::Opened Engine::opened() const {
 }
 
 void Engine::use(std::unique_ptr<sampledb::RunSet> runs) {
+    std::vector<std::string> groups = light_groups_in(*runs);
     const std::scoped_lock lock(mutex_);
     if (runs->coverage() != opened_.runs->coverage()) ++opened_.generation;
+    opened_.light_groups = std::move(groups);
     opened_.runs = std::move(runs);
 }
 
@@ -111,13 +124,6 @@ bool Engine::look_again() {
     if (!runs || (*runs)->job().id != before.runs->job().id || !(*runs)->coverage().contains(before.runs->coverage())) return false;
     use(std::move(*runs));  // even of the same samples: files may have new names
     return opened().generation != before.generation;
-}
-
-std::vector<std::string> Engine::light_groups() const {
-    std::vector<std::string> names;
-    const Result<std::vector<develop::LightGroup>> groups = develop::light_groups_of(*runs());
-    if (groups) std::ranges::transform(*groups, std::back_inserter(names), &develop::LightGroup::name);
-    return names;
 }
 
 std::optional<double> Engine::f_number() const {
@@ -226,12 +232,12 @@ Result<Probe> Engine::probe(const Recipe& recipe, const develop::Size& size, int
     picture.layers = {};
     picture.layers.variance = picture.layers.count = true;
     const auto make = [this, picture](KeptPicture& made, const Stopped& given_up) {
-        return develop(picture, given_up, made.groups.emplace_back());
+        return develop(picture, given_up, made.linear);
     };
     const std::string key = fmt::format("probe {} {},{} {}", text_of(size), x, y, decisions->of_light());
     const Result<Picture> made = kept_or_made(key, make, stopped);
     if (!made) return made.error();
-    const LinearPicture& pixels = (*made)->groups.front();
+    const LinearPicture& pixels = (*made)->linear;
     const std::vector<float>& values = pixels.tiles().begin()->second;
     Probe probe;
     probe.observer = picture.observer.film.empty() ? picture.observer.name : picture.observer.film;
@@ -315,26 +321,22 @@ Result<Engine::Picture> Engine::developed(const Decisions& decisions, const deve
 
 Result<Engine::Picture> Engine::mixed(const Decisions& decisions, const develop::Size& size, const Rect& block,
                                       const Stopped& stopped) {
-    const Result<LightMix> mix = light_mix_of(decisions.recipe, light_groups());
+    const std::vector<std::string> groups = light_groups();
+    const Result<LightMix> mix = light_mix_of(decisions.recipe, groups);
     if (!mix) return mix.error();
-    const Result<Decisions> of_groups = decide(mix->of_groups);
-    if (!of_groups) return of_groups.error();
-    const std::string place = fmt::format("{} {},{},{},{}", text_of(size), block.x0, block.y0, block.x1, block.y1);
-    const auto make = [this, lights = mix->lights, picture = picture_of(*of_groups, size, block)](
-                          KeptPicture& made, const Stopped& given_up) -> Status {
-        for (const std::vector<std::string>& alone : lights) {
-            develop::PictureOptions group = picture;
-            group.lights = alone;
-            if (Status s = develop(group, given_up, made.groups.emplace_back()); !s) return s;
-        }
-        return {};
-    };
-    const Result<Picture> groups = kept_or_made(fmt::format("groups {} {}", place, mix->key()), make, stopped);
-    if (!groups) return groups.error();
-    const std::string key = fmt::format("{} mix {} {} {}", opened().generation, place, fmt::join(mix->factors, " "), mix->key());
+    const Result<Decisions> of_layers = decide(mix->of_layers);
+    if (!of_layers) return of_layers.error();
+    develop::PictureOptions asked = picture_of(*of_layers, size, block);
+    asked.layers.lights = true;
+    const auto make = [this, asked](KeptPicture& made, const Stopped& given_up) { return develop(asked, given_up, made.linear); };
+    const std::string place =
+        fmt::format("{} {},{},{},{} {}", text_of(size), block.x0, block.y0, block.x1, block.y1, of_layers->of_light());
+    const Result<Picture> layers = kept_or_made("lights " + place, make, stopped);
+    if (!layers) return layers.error();
+    const std::string key = fmt::format("{} mix {} {}", opened().generation, fmt::join(mix->factors, " "), place);
     if (Picture kept = cache_.find(key)) return kept;
     develop::UnnamedPicture sum(File::create_in_memory);
-    if (Status s = add_up((*groups)->groups, mix->factors, sum); !s) return s.error();
+    if (Status s = add_up((*layers)->linear, groups, mix->factors, sum); !s) return s.error();
     auto picture = std::make_shared<KeptPicture>();
     picture->file = sum.file();
     cache_.keep(key, picture);

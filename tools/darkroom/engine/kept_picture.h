@@ -13,7 +13,7 @@
 
 namespace latent::darkroom {
 
-// A picture as it comes, for sums with others of the same size.
+// A picture as it comes, all layers of a pixel together, for sums of them.
 class LinearPicture final : public develop::PictureSink {
  public:
     Status begin(const image::ExrTileSpec& spec, std::uint64_t) override {
@@ -42,14 +42,10 @@ class LinearPicture final : public develop::PictureSink {
 
 // Either of these.
 struct KeptPicture {
-    std::shared_ptr<const File> file;   // an EXR file without a name
-    std::vector<LinearPicture> groups;  // the light of each group alone
+    std::shared_ptr<const File> file;  // an EXR file without a name
+    LinearPicture linear;
 
-    std::uint64_t bytes() const {
-        std::uint64_t sum = file ? file->size().value_or(0) : 0;
-        for (const LinearPicture& group : groups) sum += group.bytes();
-        return sum;
-    }
+    std::uint64_t bytes() const { return (file ? file->size().value_or(0) : 0) + linear.bytes(); }
 };
 
 }  // namespace latent::darkroom

@@ -1,4 +1,4 @@
-// tools/darkroom/engine/light_mix.h: a light mix as a sum of pictures, each of the light of one group.
+// tools/darkroom/engine/light_mix.h: a light mix as a sum of layers, each of the light of one group.
 #pragma once
 
 #include <string>
@@ -11,17 +11,15 @@
 namespace latent::darkroom {
 
 struct LightMix {
-    Recipe of_groups;                              // `recipe` as far as a sum can show it, without lights
-    std::vector<std::vector<std::string>> lights;  // for each group, the --light options that leave it alone, as bright as it was
-    std::vector<double> factors;                   // of each group
-
-    std::string key() const;  // of the pictures of groups
+    Recipe of_layers;             // with lights of other colours, but as bright as they were; without what a sum cannot show
+    std::vector<double> factors;  // of each group
 };
 
 // Errors: kUsage, of what the recipe says about lights.
 Result<LightMix> light_mix_of(const Recipe& recipe, const std::vector<std::string>& groups);
 
-// Adds the pictures up. Its last digits can differ from those of a picture that is developed of all lights.
-Status add_up(const std::vector<LinearPicture>& groups, const std::vector<double>& factors, develop::PictureSink& sink);
+// Adds up the layers light.GROUP of a picture. Last digits can differ from those of a picture of all lights.
+Status add_up(const LinearPicture& layers, const std::vector<std::string>& groups, const std::vector<double>& factors,
+              develop::PictureSink& sink);
 
 }  // namespace latent::darkroom

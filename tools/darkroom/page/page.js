@@ -545,7 +545,7 @@ shows.push(() => {
   const dpi = get("convert", "dpi"), width = print_width(), numbers = String(get("develop", "crop") ?? "").split(",").map(Number);
   const [x0, y0, x1, y1] = numbers.length === 4 ? numbers : [0, 0, width, height_of(width)];
   const cm = (/** @type {number} */ pixels) => (pixels / dpi * 2.54).toFixed(1);
-  $("on-paper").textContent = `${x1 - x0} × ${y1 - y0} pixels${dpi ? `, ${cm(x1 - x0)} × ${cm(y1 - y0)} cm` : ""}, ${(state.samples / (width * height_of(width))).toPrecision(3)} samples each`;
+  $("on-paper").textContent = `${x1 - x0} × ${y1 - y0} px${dpi ? `, ${cm(x1 - x0)} × ${cm(y1 - y0)} cm` : ""}, ${(state.samples / (width * height_of(width))).toPrecision(3)} samples each`;
   if (dpi) $("dpi").value = dpi;
 });
 $("size").addEventListener("change", () => { put("develop", "crop", undefined); view = undefined; });
@@ -570,7 +570,7 @@ viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
     const p = await ask(`probe?view=${view}&width=${w}&x=${x}&y=${y}`);
     const digits = (/** @type {number} */ v) => v.toPrecision(4);
     $("probed").textContent = `pixel ${x}, ${y}: ${Math.round(p.samples)} samples\n` +
-      ["X", "Y", "Z"].map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
+      (p.xy ? ["X", "Y", "Z"] : ["R", "G", "B"]).map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
       (p.xy ? `\nx, y ${p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(", ")}` : `\nof ${p.observer}`) + `\nRGB ${p.rgb.join(", ")}`;
     if (mode === "pick") {
       if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
@@ -704,14 +704,14 @@ async function show_prints() {
     $("jobs").replaceChildren(...jobs.map((/** @type {any} */ job) => {
       const percent = job.done === null ? "" : ` ${Math.round(100 * job.done)} %`;
       const line = Object.assign(document.createElement("li"), { textContent: `${job.name}: ${job.message && job.state === "running" ? "" : job.state} ${job.message}${percent} ` });
+      if (job.state === "waiting" || job.state === "running") {
+        const stop = line.appendChild(Object.assign(document.createElement("button"), { textContent: "Cancel" }));
+        stop.addEventListener("click", () => ask(`prints/${job.id}`, { method: "DELETE" }));
+      }
       if (job.state === "running") {
         const bar = Object.assign(document.createElement("progress"), { max: 1 });
         if (job.done !== null) bar.value = job.done;
         line.append(bar);
-      }
-      if (job.state === "waiting" || job.state === "running") {
-        const stop = line.appendChild(Object.assign(document.createElement("button"), { textContent: "Cancel" }));
-        stop.addEventListener("click", () => ask(`prints/${job.id}`, { method: "DELETE" }));
       }
       return line;
     }));
