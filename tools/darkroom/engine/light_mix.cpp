@@ -34,6 +34,7 @@ Status add_up(const LinearPicture& layers, const std::vector<std::string>& group
     image::ExrTileSpec spec = layers.spec();
     const std::vector<std::string> all = spec.channels;
     spec.channels.resize(kColours);
+    const std::vector<float> weights(factors.begin(), factors.end());
     std::vector<std::size_t> first;  // channel of each group
     for (const std::string& group : groups) {
         const auto channel = std::ranges::find(all, fmt::format("light.{}.{}", group, all.front()));
@@ -46,7 +47,7 @@ Status add_up(const LinearPicture& layers, const std::vector<std::string>& group
         for (std::size_t from = 0, to = 0; to < sum.size(); from += all.size(), to += kColours) {
             for (std::size_t g = 0; g < groups.size(); ++g) {
                 for (std::size_t c = 0; c < kColours; ++c)
-                    sum[to + c] += static_cast<float>(factors[g]) * pixels[from + first[g] + c];
+                    sum[to + c] += weights[g] * pixels[from + first[g] + c];
             }
         }
         if (Status s = sink.write(place.first, place.second, sum); !s) return s;
