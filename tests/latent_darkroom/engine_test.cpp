@@ -163,6 +163,7 @@ TEST_F(DarkroomEngine, AMixOfGroupsIsThePrintButForLastDigits) {
           R"("develop": {"light": "sky=0"}, "convert": {"sensitivity": 2, "dither": "none"})"}) {
         SCOPED_TRACE(sections);
         const Recipe recipe = recipe_of(sections);
+        ASSERT_TRUE(engine->resolve(recipe, {.mixed = true}));
         const Result<convert::CodeValues> mixed = engine->view(recipe, {300, 200}, all, {.mixed = true});
         ASSERT_TRUE(mixed) << mixed.error().message;
         if (read > 0) {

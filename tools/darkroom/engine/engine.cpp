@@ -139,7 +139,7 @@ Result<develop::Size> Engine::size_of_width(std::uint32_t width) const {
     return develop::parse_size_on_film(std::to_string(width), runs()->job());
 }
 
-Result<Recipe> Engine::resolve(const Recipe& recipe, const Stopped& stopped) {
+Result<Recipe> Engine::resolve(const Recipe& recipe, const ViewOptions& options) {
     Result<Decisions> decisions = decide(recipe);
     if (!decisions) return decisions.error();
     if (Status s = check_view(*decisions); !s) return s.error();
@@ -156,7 +156,7 @@ Result<Recipe> Engine::resolve(const Recipe& recipe, const Stopped& stopped) {
     const bool chooses = decisions->print.chooses_exposure();
     // Developing and printing a pixel tells what is wrong with the rest.
     const Rect metered = chooses ? whole(*size) : Rect{0, 0, 1, 1};
-    const Result<convert::ConvertReport> report = print(*decisions, *size, metered, metered, codes, {.stopped = stopped});
+    const Result<convert::ConvertReport> report = print(*decisions, *size, metered, metered, codes, options);
     if (!report) return report.error();
     if (!chooses) return resolved;
     Recipe& section = resolved["convert"];

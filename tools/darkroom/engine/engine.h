@@ -72,7 +72,7 @@ class Engine {
     // The recipe with its exposure as a number: "sensitivity", which is chosen from the whole picture where the recipe has none. It
     // is at most 2048 pixels wide for that, so the number of a print of another size could differ a little; with the number, it
     // cannot. Errors: kUsage, what is wrong with the recipe; of developing.
-    Result<Recipe> resolve(const Recipe& recipe, const Stopped& stopped = {});
+    Result<Recipe> resolve(const Recipe& recipe, const ViewOptions& options = {});
 
     // Pixels `area` of the picture `size`: as latent-print prints them with this recipe and that --size, without a crop, as 8-bit
     // PNG. The recipe is one that `resolve` returned: without a number, each part would choose its own exposure.

@@ -46,8 +46,7 @@ Status add_up(const LinearPicture& layers, const std::vector<std::string>& group
         std::vector<float> sum(pixels.size() / all.size() * kColours);
         for (std::size_t from = 0, to = 0; to < sum.size(); from += all.size(), to += kColours) {
             for (std::size_t g = 0; g < groups.size(); ++g) {
-                for (std::size_t c = 0; c < kColours; ++c)
-                    sum[to + c] += weights[g] * pixels[from + first[g] + c];
+                for (std::size_t c = 0; c < kColours; ++c) sum[to + c] += weights[g] * pixels[from + first[g] + c];
             }
         }
         if (Status s = sink.write(place.first, place.second, sum); !s) return s;

@@ -311,10 +311,14 @@ class HttpServer final : public Server {
     Result<Json> new_view(const Request& request, const std::string& body) {
         const Result<Recipe> recipe = parse_recipe(body);
         if (!recipe) return recipe.error();
-        Result<Recipe> resolved = engine_.resolve(*recipe, turns_.stopped(request));
+        Result<Recipe> resolved = engine_.resolve(*recipe, options_of(request));
         if (!resolved) return resolved.error();
         return Json{
             {"view", views_.keep(*resolved)}, {"recipe", *resolved}, {"commands", commands_for(*resolved, inputs_, "print")}};
+    }
+
+    ViewOptions options_of(const Request& request) {
+        return {.mixed = request.get_param_value("mixed") == "1", .stopped = turns_.stopped(request)};
     }
 
     struct Asked {
@@ -329,7 +333,7 @@ class HttpServer final : public Server {
         if (!width) return width.error();
         const Result<develop::Size> size = engine_.size_of_width(static_cast<std::uint32_t>(*width));
         if (!size) return size.error();
-        return Asked{*std::move(recipe), *size, {request.get_param_value("mixed") == "1", turns_.stopped(request)}};
+        return Asked{*std::move(recipe), *size, options_of(request)};
     }
 
     Result<convert::CodeValues> tile(const Request& request) {
