@@ -7,11 +7,18 @@
 #include <string>
 #include <utility>
 
+#include "base/result.h"
+
 namespace latent {
 
 // Engines call this with the done part (0..1) and what else there is to say ("1.2 M samples/s, 3.4 GiB"). May be empty.
 // Called from one thread at a time. An engine that resumes calls it before it begins, with the part that is there already.
 using Progress = std::function<void(double done, const std::string& detail)>;
+
+// Whether to give up: asked often, by any thread. Once true, it stays so. May be empty: never.
+using Stopped = std::function<bool()>;
+inline bool is_true(const Stopped& stopped) { return stopped && stopped(); }
+inline Error given_up() { return {ErrorCode::kStopped, "given up"}; }
 
 namespace cli {
 

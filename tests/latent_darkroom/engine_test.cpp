@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "tests/image/decode.h"
@@ -148,6 +150,104 @@ TEST_F(DarkroomEngine, AHistogramCountsThePixelsOfTheView) {
     EXPECT_EQ(histogram->counts, counts);
     EXPECT_EQ(histogram->pixels, 15000u);
     EXPECT_GT(histogram->burnt, 0u);
+}
+
+// Once the groups are there, any mix of them is made without reading samples.
+TEST_F(DarkroomEngine, AMixOfGroupsIsThePrintButForLastDigits) {
+    const std::unique_ptr<Engine> engine = open();
+    const Rect all{0, 0, 300, 200};
+    std::uint64_t read = 0;
+    for (const char* sections :
+         {R"("convert": {"sensitivity": 1, "dither": "none"})",
+          R"("develop": {"light": ["lamp=2.5", "sky=0.3"]}, "convert": {"sensitivity": 1, "dither": "none"})",
+          R"("develop": {"light": "sky=0"}, "convert": {"sensitivity": 2, "dither": "none"})"}) {
+        SCOPED_TRACE(sections);
+        const Recipe recipe = recipe_of(sections);
+        ASSERT_TRUE(engine->resolve(recipe, {.mixed = true}));
+        const Result<convert::CodeValues> mixed = engine->view(recipe, {300, 200}, all, {.mixed = true});
+        ASSERT_TRUE(mixed) << mixed.error().message;
+        if (read > 0) {
+            EXPECT_EQ(engine->runs()->bytes_read(), read);
+        }
+        const Result<convert::CodeValues> exact = engine->view(recipe, {300, 200}, all);
+        ASSERT_TRUE(exact);
+        EXPECT_NE(engine->runs()->bytes_read(), read);
+        read = engine->runs()->bytes_read();
+        ASSERT_EQ(mixed->codes.size(), exact->codes.size());
+        int largest = 0, different = 0;
+        for (std::size_t i = 0; i < exact->codes.size(); ++i) {
+            const int difference = std::abs(static_cast<int>(mixed->codes[i]) - static_cast<int>(exact->codes[i]));
+            largest = std::max(largest, difference);
+            different += difference;
+        }
+        EXPECT_LE(largest, 1);
+        EXPECT_LE(different, 18);  // 1e-4 of the values lie so close to a step
+    }
+    // Another lamp in one of them is another picture of it, of the same brightness.
+    const Recipe warm = recipe_of(R"("develop": {"light": ["lamp=3000K,0.5"]}, "convert": {"sensitivity": 1, "dither": "none"})");
+    const Result<convert::CodeValues> mixed = engine->view(warm, {300, 200}, all, {.mixed = true});
+    const Result<convert::CodeValues> exact = engine->view(warm, {300, 200}, all);
+    ASSERT_TRUE(mixed && exact);
+    for (std::size_t i = 0; i < exact->codes.size(); ++i)
+        ASSERT_NEAR(static_cast<int>(mixed->codes[i]), static_cast<int>(exact->codes[i]), 1) << i;
+}
+
+TEST_F(DarkroomEngine, WhatIsGivenUpLeavesTheRestAsItWas) {
+    const std::unique_ptr<Engine> engine = open();
+    const Recipe recipe = recipe_of(R"("convert": {"sensitivity": 1})");
+    const Result<convert::CodeValues> none = engine->view(recipe, {300, 200}, {0, 0, 300, 200}, {.stopped = [] { return true; }});
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, ErrorCode::kStopped);
+    const Result<convert::CodeValues> view = engine->view(recipe, {300, 200}, {0, 0, 300, 200});
+    ASSERT_TRUE(view);
+    EXPECT_TRUE(is_part(*view, printed(recipe, {"--size", "300"}), 0, 0));
+}
+
+// Parts of a render that goes on: one more, one that is cut off as it is written, one that is gone for a while.
+TEST_F(DarkroomEngine, SamplesThatComeAreSeenAndNoneAreLost) {
+    namespace fs = std::filesystem;
+    const fs::path parts = path("parts");
+    fs::create_directory(parts);
+    const auto render = [&](const std::string& samples, const std::string& name) {
+        make("latent-render", "scene.pbrt", {"-o", path(name), "--samples", samples, "--run-samples", "16384", "--light-groups"});
+    };
+    render("0:32768", "parts/a.latent");
+    render("32768:65536", "b.latent");
+    auto opened = Engine::open({{parts}, false, std::uint64_t{1} << 30, 2});
+    ASSERT_TRUE(opened) << opened.error().message;
+    Engine& engine = **opened;
+    const Recipe recipe = recipe_of(R"("convert": {"sensitivity": 1})");
+    const auto seen = [&] {
+        const Result<convert::CodeValues> view = engine.view(recipe, {300, 200}, {0, 0, 300, 200});
+        EXPECT_TRUE(view) << view.error().message;
+        return view ? view->codes : std::vector<std::byte>();
+    };
+    const std::vector<std::byte> before = seen();
+    EXPECT_FALSE(engine.look_again());
+
+    fs::copy_file(path("b.latent"), parts / "b.latent.part.0123456789abcdef");
+    fs::resize_file(parts / "b.latent.part.0123456789abcdef", fs::file_size(path("b.latent")) * 3 / 4);  // as a kill leaves it
+    EXPECT_TRUE(engine.look_again());
+    EXPECT_EQ(engine.runs()->coverage().size(), 49152u);
+    const std::vector<std::byte> partial = seen();
+    EXPECT_NE(partial, before);
+
+    fs::remove(parts / "b.latent.part.0123456789abcdef");
+    EXPECT_FALSE(engine.look_again());
+    EXPECT_EQ(engine.runs()->coverage().size(), 49152u);
+    EXPECT_EQ(seen(), partial);
+
+    fs::copy_file(path("b.latent"), parts / "b.latent");
+    EXPECT_TRUE(engine.look_again());
+    EXPECT_EQ(engine.runs()->coverage().size(), 65536u);
+    const std::string file = write("r.json", recipe.dump());
+    make("latent-print", "parts", {"--recipe", file, "-o", path("p.png")});
+    const image::Decoded print = image::decode_png(path("p.png"));
+    EXPECT_EQ(seen(), print.pixels);
+
+    fs::rename(parts, path("elsewhere"));
+    EXPECT_FALSE(engine.look_again());
+    EXPECT_EQ(seen(), print.pixels);
 }
 
 TEST_F(DarkroomEngine, WhatOnlyAPrintCanHaveIsSaid) {

@@ -88,10 +88,91 @@ TEST_F(DarkroomPage, EachControlPrintsAsTheCommandLine) {
         EXPECT_EQ(seen[i + 1]["error"], "");
         EXPECT_TRUE(is_same(bytes_from_base64(seen[i + 1]["tile"]), printed(options)));
         EXPECT_NE(seen[i + 1]["tile"], seen[i]["tile"]);
+        const bool is_mix = steps[i].options[0] == "--light";  // which is seen before it is developed
+        EXPECT_EQ(seen[i + 1]["mixed"] > seen[i]["mixed"], is_mix);
         views.push_back(seen[i + 1]["view"]);
     }
     EXPECT_EQ(seen[steps.size() + 1]["view"], views[steps.size() - 1]);
     EXPECT_EQ(seen[steps.size() + 2]["view"], views[0]);
+}
+
+TEST_F(DarkroomPage, FilmPaperGlareAndProofsAreThoseOfTheCommandLine) {
+    const std::string profile = "/usr/share/color/icc/ghostscript/default_cmyk.icc";
+    ASSERT_TRUE(std::filesystem::exists(profile));
+    const Json seen =
+        drive({{{"set", {{"look", "portrait"}}}},
+               {{"set", {{"paper", "endura"}}}},
+               {{"set", {{"enlarger", "0.5"}}}},
+               {{"click", "grain"}},
+               {{"click", "eye-films"}, {"wait", "#thumbnails button:last-child img[alt^='The print']"}, {"shot", "films.png"}},
+               {{"click", "#thumbnails button:nth-child(14)"}},
+               {{"set", {{"film", ""}}}},
+               {{"set", {{"glare", "f:8"}}}},
+               {{"set", {{"proof", profile}, {"intent", "relative"}}}}});
+    const auto is_seen = [&](std::size_t step, const std::vector<std::string>& options) {
+        EXPECT_EQ(seen[step]["error"], "");
+        const image::Decoded print = printed(options);
+        EXPECT_TRUE(is_same(bytes_from_base64(seen[step]["tile"]), print)) << step;
+        return sensitivity_of(print);
+    };
+    const std::vector<std::string> film{"--film", "portra-400"};
+    is_seen(0, with(film, {"--look", "portrait"}));
+    const std::string on_paper = is_seen(1, with(film, {"--paper", "endura"}));
+    std::vector<std::string> options = with(film, {"--paper", "endura", "--sensitivity", on_paper, "--print-exposure", "0.5"});
+    is_seen(2, options);
+    is_seen(3, with(options, {"--grain"}));
+    EXPECT_EQ(seen[4]["view"], seen[3]["view"]);
+    is_seen(5, {"--film", seen[5]["recipe"]["develop"]["film"], "--paper", "scan"});
+    EXPECT_NE(seen[5]["recipe"]["develop"]["film"], "portra-400");
+    options = {"--sensitivity", is_seen(6, {}), "--glare", "f:8"};
+    is_seen(7, options);
+    is_seen(8, with(options, {"--proof", profile, "--intent", "relative"}));
+}
+
+TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
+    std::string scene = bytes_of("scene.pbrt");
+    scene.insert(scene.find("\"float fov\""), "\"float lensradius\" 0.1 \"float focaldistance\" 2.4 ");
+    scene.insert(scene.find("Shape"), "ActiveTransform EndTime Translate 0.3 0 0 ActiveTransform All\n");
+    write("lens.pbrt", scene);
+    ASSERT_NO_FATAL_FAILURE(
+        make("latent-render", "lens.pbrt", {"-o", path("lens.latent"), "--samples", "0:65536", "--aov", "lens,time"}));
+    child_->send(SIGTERM);
+    EXPECT_EQ(child_->wait(), 0);
+    std::filesystem::remove(path("address"));
+    ASSERT_NO_FATAL_FAILURE(start({}, "lens.latent"));
+    const Json seen = drive({Json::object(),
+                             {{"set", {{"shutter", "0:0.5"}}}},
+                             {{"click", "exposure-follows"}},
+                             {{"set", {{"shutter", ""}, {"aperture", "0.4"}}}}});
+    const auto printed_of_lens = [&](const std::vector<std::string>& options) {
+        make("latent-print", "lens.latent", with(options, {"-o", path("p.png")}));
+        return image::decode_png(path("p.png"));
+    };
+    const image::Decoded automatic = printed_of_lens({});
+    const std::vector<std::string> options{"--sensitivity", sensitivity_of(automatic), "--shutter", "0:0.5"};
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[0]["tile"]), automatic));
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[1]["tile"]), printed_of_lens(options)));
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[2]["tile"]), printed_of_lens(with(options, {"--exposure-follows"}))));
+    const std::vector<std::string> stopped_down{options[0], options[1], "--exposure-follows", "--aperture", "f:0.4"};
+    EXPECT_EQ(seen[3]["error"], "");
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[3]["tile"]), printed_of_lens(stopped_down)));
+}
+
+TEST_F(DarkroomPage, APrintForAPaperHasItsPixels) {
+    const Json seen = drive({{{"set", {{"paper-width", "6"}, {"paper-height", "3"}, {"dpi", "127"}}}},
+                             {{"click", "to-paper"}, {"shot", "paper.png"}},
+                             {{"set", {{"name", "small"}, {"format", "tif"}}}},
+                             {{"click", "print"}},
+                             {{"wait", "#jobs li"}}});
+    EXPECT_EQ(seen[1]["recipe"]["develop"]["size"], 300);
+    EXPECT_EQ(seen[1]["recipe"]["develop"]["crop"], "0,25,300,175");
+    EXPECT_EQ(seen[1]["recipe"]["convert"]["dpi"], 127);
+    Json jobs = get("api/prints");
+    for (; jobs[0]["state"] == "running"; jobs = get("api/prints")) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(jobs[0]["state"], "done") << jobs;
+    const std::string file = write("r.json", seen[1]["recipe"].dump());
+    make("latent-print", "a.latent", {"--recipe", file, "-o", path("same.tif")});
+    EXPECT_TRUE(bytes_of("kept/small.tif") == bytes_of("same.tif"));
 }
 
 // At 1:1, pixels of the print are those of the screen.

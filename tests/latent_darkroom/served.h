@@ -32,13 +32,14 @@ class Served : public Samples {
         }
         std::filesystem::remove_all(path("kept"));
     }
-    void start(const std::vector<std::string>& options) {
+    void start(const std::vector<std::string>& options, const std::string& input = "a.latent") {
         child_ = std::make_unique<Child>(
             with({"/bin/sh", "-c", "out=$1; shift; exec \"$@\" > \"$out\"", "sh", path("address"), tool("latent-darkroom"),
-                  path("a.latent"), "--recipes", path("kept"), "--json", "--memory", "512M"},
+                  path(input), "--recipes", path("kept"), "--json", "--memory", "512M"},
                  options));
         Json told;
-        while (!told.is_object()) {
+        for (int waited = 0; !told.is_object(); ++waited) {
+            ASSERT_LT(waited, 1500) << "it does not start";
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
             told = Json::parse(bytes_of("address"), nullptr, false);
         }

@@ -70,6 +70,54 @@ TEST_F(DarkroomServer, ACancelledPrintLeavesNothing) {
     EXPECT_EQ(names, std::vector<std::string>{"small.png"});
 }
 
+TEST_F(DarkroomServer, WhatWasAskedForInAnEarlierTurnIsGivenUp) {
+    const std::string view = view_of({{"latent-recipe", 1}})["view"];
+    const auto tile = [&](const std::string& turn) { return base_ + "api/tile?width=150&area=0,0,1,1&view=" + view + turn; };
+    EXPECT_EQ(status_of(tile("&tab=a&turn=2")), 200);
+    EXPECT_EQ(status_of(tile("&tab=a&turn=1")), 410);
+    EXPECT_EQ(status_of(tile("&tab=b&turn=1")), 200);
+    EXPECT_EQ(status_of(tile("")), 200);
+    EXPECT_EQ(client_->Post(base_ + "api/views?tab=a&turn=1", R"({"latent-recipe": 1})", "application/json")->status, 410);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(status_of(tile("&turn=1&tab=" + std::to_string(i))), 200);
+    EXPECT_EQ(get("api/samples"), (Json{{"samples", 131072}, {"runs", 4}}));
+}
+
+TEST_F(DarkroomServer, BodiesNeedNotNameTheirType) {
+    const Json recipe{{"latent-recipe", 1}, {"convert", {{"stops", 1}}}};
+    const std::string body = recipe.dump() + std::string(20000, ' ');
+    const auto view = client_->Post(base_ + "api/views", body, "application/x-www-form-urlencoded");  // as curl calls it
+    ASSERT_TRUE(view);
+    EXPECT_EQ(view->status, 200) << view->body;
+    EXPECT_EQ(client_->Put(base_ + "api/recipes/long", body, "application/x-www-form-urlencoded")->status, 200);
+    EXPECT_EQ(get("api/recipes/long"), recipe);
+}
+
+TEST_F(DarkroomServer, ABrowserOpensOnADesktopUnlessToldNotTo) {
+    std::filesystem::create_directory(path("bin"));
+    write("bin/xdg-open",
+          "#!/bin/sh\necho \"$1\" > " + path("opened.part") + "; mv " + path("opened.part") + " " + path("opened") + "\n");
+    std::filesystem::permissions(path("bin/xdg-open"), std::filesystem::perms::owner_all);
+    const Environment desktop{{"DISPLAY", ":77"}, {"PATH", path("bin") + ":/usr/bin:/bin"}};
+    const std::string command = tool("latent-darkroom") + " " + path("a.latent") + " --port 0 ";
+    const auto starts = [&](const std::string& line) {
+        std::filesystem::remove(path("said"));
+        Child child({"/bin/sh", "-c", line + " > " + path("said")}, desktop);
+        while (bytes_of("said").find("Ctrl-C ends") == std::string::npos)
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    };
+    const auto opened = [&] { return std::filesystem::exists(path("opened")); };
+    starts("exec " + command);  // into a file
+    starts("exec script -qfec '" + command + "--no-open' /dev/null");
+    EXPECT_FALSE(opened());
+    {
+        Child child({"/bin/sh", "-c", "exec script -qfec '" + command + "' /dev/null > " + path("said")}, desktop);
+        while (!opened()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        const std::string address = bytes_of("opened");
+        EXPECT_EQ(address.find("http://127.0.0.1:"), 0u);
+        EXPECT_NE(bytes_of("said").find(address.substr(0, address.size() - 1)), std::string::npos);
+    }
+}
+
 TEST_F(DarkroomServer, RecipesComeBackAsTheyWereSaved) {
     const Json recipe{{"latent-recipe", 1}, {"convert", {{"stops", -1.25}}}};
     for (const char* name : {"dusk", "%C3%A9t%C3%A9%20%3Cb%3E"}) {
@@ -114,15 +162,18 @@ TEST_F(DarkroomServer, NothingIsWrittenElsewhereOrBadly) {
           "{\"latent-recipe\": 1, \"other\": {}}", "\xff\xfe"})
         EXPECT_EQ(put("bad", body), 400) << body;
     EXPECT_EQ(put("bad", std::string(60001, ' ') + recipe), 400);
+    EXPECT_EQ(put("bad", std::string(70000, ' ') + recipe), 413);
     EXPECT_NE(put("bad", std::string(50 << 20, ' ')), 200);
     client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);  // whose connection may have ended with that
     const auto post = [&](const std::string& what, const std::string& body) {
         const auto result = client_->Post(base_ + what, body, "application/json");
         return result ? result->status : -1;
     };
-    for (const char* body : {"", "{", "[1]", "{\"name\": \"x.png\"}", "{\"name\": 1, \"recipe\": {}}",
-                             "{\"name\": \"../x.png\", \"recipe\": {\"latent-recipe\": 1}}",
-                             "{\"name\": \"x.png\", \"recipe\": {\"latent-recipe\": 3}}"})
+    for (const char* body :
+         {"", "{", "[1]", "{\"name\": \"x.png\"}", "{\"name\": 1, \"recipe\": {}}",
+          "{\"name\": \"../x.png\", \"recipe\": {\"latent-recipe\": 1}}",
+          "{\"name\": \"x.sh\", \"recipe\": {\"latent-recipe\": 1}}", "{\"name\": \"x\", \"recipe\": {\"latent-recipe\": 1}}",
+          "{\"name\": \"x.png\", \"recipe\": {\"latent-recipe\": 3}}"})
         EXPECT_EQ(post("api/prints", body), 400) << body;
     for (const char* body : {"{", "{\"latent-recipe\": 1, \"develop\": {\"size\": \"x\"}}",
                              "{\"latent-recipe\": 1, \"develop\": {\"light\": [\"none=2\"]}}",

@@ -42,6 +42,12 @@ constexpr Look kFull{"full", "", "", "35mm", kBacked, "", ""};
 
 }  // namespace
 
+std::vector<NamedLook> looks() {
+    std::vector<NamedLook> named;
+    for (const Look& look : kLooks) named.push_back({look.name, look.film, look.text});
+    return named;
+}
+
 std::string list_looks() {
     std::string text = "looks (--look), and the film to develop with; full: any film, on the paper that you name\n";
     for (const Look& look : kLooks)

@@ -10,6 +10,11 @@
 
 namespace latent::convert {
 
+struct NamedLook {
+    std::string_view name, film, what;  // `film`: to develop with
+};
+std::vector<NamedLook> looks();
+
 // For people: each look, what it is, and the film to develop with.
 std::string list_looks();
 

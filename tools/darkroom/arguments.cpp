@@ -12,7 +12,7 @@ knows it can read and write in the folder of recipes. It ends with Ctrl-C.
 
 Examples:
   latent-darkroom night.latent
-      then open the address that it prints
+      the page opens in the browser, or at the address that it prints
   latent-darkroom parts/ --recipes prints/ --memory 4G
       with recipes and prints in a folder of their own
   ssh -L 8080:127.0.0.1:8080 HOST latent-darkroom night.latent --port 8080

@@ -1,8 +1,14 @@
 // latent-darkroom: what can be decided after rendering, on a page.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <pthread.h>
+#include <spawn.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "base/cli.h"
@@ -21,6 +27,31 @@ std::string introduction(const latent::darkroom::Server& server, const std::file
         server.address(), server.port(), std::filesystem::absolute(folder / "").lexically_normal().string());
 }
 
+// Somebody sits before a desktop, and typed the command.
+bool has_desktop() {
+    return ::isatty(STDOUT_FILENO) == 1 && (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr);
+}
+
+void open_in_browser(std::string address) {
+    std::string program = "xdg-open";
+    char* arguments[] = {program.data(), address.data(), nullptr};
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    pid_t child = 0;
+    ::posix_spawnp(&child, arguments[0], &quiet, &attributes, arguments,
+                   environ);  // fails where there is none: the address is printed
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&quiet);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -31,6 +62,10 @@ int main(int argc, char** argv) try {
     cli::CommonOptions common;
     CLI::App app{"See samples as a print, and decide about it, on a page in a browser.", "latent-darkroom"};
     darkroom::add_arguments(app, opened, served);
+    std::optional<bool> opens;
+    app.add_flag_function(
+        "--open,!--no-open", [&opens](std::int64_t given) { opens = given > 0; },
+        "open the page in a browser (default: if started in a terminal of a desktop)");
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
@@ -45,13 +80,14 @@ int main(int argc, char** argv) try {
     opened.threads = common.threads;
     const auto engine = darkroom::Engine::open(opened);
     if (!engine) return cli::fail(engine.error());
-    cli::tell((*engine)->runs().report().notes, {}, {});
+    cli::tell((*engine)->runs()->report().notes, {}, {});
     served.inputs = opened.inputs;
     served.print = darkroom::print_command(opened);
     const auto server = darkroom::Server::open(**engine, served);
     if (!server) return cli::fail(server.error());
     cli::print(introduction(**server, served.folder, common.json));
     std::fflush(stdout);
+    if (opens.value_or(has_desktop())) open_in_browser((*server)->address());
 
     std::thread waiting([&] {
         int signal = 0;

@@ -4,10 +4,11 @@
 //   {"set": {"stops": 1}}      controls by their ids or selectors, as hands would set them (true: a check box is clicked)
 //   {"click": "undo"}          a button; or an element's selector, {"click": "#groups button"}
 //   {"key": "."}               a key
+//   {"wait": ".a"}             until there is such an element
 //   {"at": [x, y]}             a click into the window
 //   {"shot": "a.png"}          saves what is seen into FOLDER
 // and the page is waited for after each. Prints a JSON list: for each step {"recipe", "tile" (base64 of the raw pixels of the whole
-// print, at most 512 wide), "error", "text" of the panel}.
+// print, at most 512 wide), "mixed" (how many tiles of light mixes were seen so far), "error", "text" of the panel}.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { startChromium } from "../../support/chromium.mjs";
@@ -39,12 +40,17 @@ async function take(step) {
   }
   if (step.click) {
     const [x, y] = await evaluate(`{ const e = document.querySelector(${JSON.stringify(selector(step.click))});
+      e.closest("details")?.setAttribute("open", "");
       e.scrollIntoView({ block: "center" }); const r = e.getBoundingClientRect(); [r.x + r.width / 2, r.y + r.height / 2] }`);
     await click(x, y);
   }
   if (step.key) {
     await send("Input.dispatchKeyEvent", { type: "keyDown", key: step.key, text: step.key });
     await send("Input.dispatchKeyEvent", { type: "keyUp", key: step.key });
+  }
+  for (let waited = 0; step.wait && !(await evaluate(`Boolean(document.querySelector(${JSON.stringify(step.wait)}))`)); ++waited) {
+    if (waited > 600) throw new Error(`${step.wait} does not come`);
+    await pause(100);
   }
   if (step.at) await click(...step.at);
   await pause(500); // glides and answers that change no view
@@ -57,6 +63,7 @@ async function take(step) {
 const limit = setTimeout(() => { console.error("drive.mjs: not done within 250 s"); chromium.kill(); process.exit(1); }, 250000);
 try {
   await chromium.open(address, width, height, ["Runtime", "Log"]);
+  await evaluate("performance.setResourceTimingBufferSize(100000)");
   await settled();
   const seen = [];
   for (const step of steps) {
@@ -67,8 +74,9 @@ try {
       const raw = new Uint8Array(await (await fetch(\`api/tile?view=\${view}&width=\${w}&area=0,0,\${w},\${h}&format=raw\`)).arrayBuffer());
       let text = "";
       for (const byte of raw) text += String.fromCharCode(byte);
-      return { view, width: w, tile: btoa(text), error: document.getElementById("error").textContent,
+      return { view, recipe: JSON.parse(document.body.dataset.recipe), width: w, tile: btoa(text), error: document.getElementById("error").textContent,
                probed: document.getElementById("probed").textContent, jobs: document.getElementById("jobs").textContent,
+               mixed: performance.getEntriesByType("resource").filter((e) => /tile.*mixed=1/.test(e.name) && !e.name.includes("raw")).length,
                clipping: document.getElementById("clipping").textContent };
     })()`));
   }

@@ -10,8 +10,7 @@ namespace latent::darkroom {
 
 std::string Decisions::of_light() const {
     const auto section = recipe.find("develop");
-    if (section == recipe.end()) return "";
-    nlohmann::json sorted = *section;
+    nlohmann::json sorted = section == recipe.end() ? nlohmann::json::object() : nlohmann::json(*section);
     for (const char* key : {"size", "crop", "mipmap", "compression"}) sorted.erase(key);
     return sorted.dump(-1, ' ', true);
 }

@@ -13,7 +13,7 @@ const $ = (id) => document.getElementById(id);
 async function ask(path, how) {
   const response = await fetch("api/" + path, how);
   const json = await response.json();
-  if (!response.ok) throw new Error(json.error ?? response.statusText);
+  if (!response.ok) throw Object.assign(new Error(json.error ?? response.statusText), { superseded: response.status === 410 });
   return json;
 }
 
@@ -60,8 +60,22 @@ const print_width = () => parseInt(get("develop", "size") ?? state.width, 10) ||
 
 let seen_width = 0; // of the level that tiles were last asked of
 
-/** @param {string} id @param {number} width */
-function source_of(id, width) {
+// What was asked for in an earlier turn, the server gives up: each wish begins a turn.
+const tab = Math.random().toString(36).slice(2);
+let turn = 0;
+/** @type {() => void} */
+let supersede = () => {};
+let superseded = new Promise((done) => { supersede = () => done(undefined); });
+function begin_turn() {
+  ++turn;
+  supersede();
+  superseded = new Promise((done) => { supersede = () => done(undefined); });
+}
+/** @param {boolean} mixed */
+const in_turn = (mixed) => `tab=${tab}&turn=${turn}${mixed ? "&mixed=1" : ""}`;
+
+/** @param {string} id @param {number} width @param {() => string} how */
+function source_of(id, width, how) {
   const height = height_of(width), levels = Math.max(0, Math.ceil(Math.log2(width / 256)));
   return {
     width, height, tileSize: kTile, tileOverlap: 1,  // without, tiles are drawn a pixel too large
@@ -71,7 +85,7 @@ function source_of(id, width) {
       seen_width = w;
       const x0 = Math.min(x * kTile, w - 1), y0 = Math.min(y * kTile, h - 1);
       const area = [Math.max(x0 - 1, 0), Math.max(y0 - 1, 0), Math.min(x0 + kTile + 1, w), Math.min(y0 + kTile + 1, h)];
-      return new URL(`api/tile?view=${id}&width=${w}&area=${area}`, location.href).href;
+      return new URL(`api/tile?view=${id}&width=${w}&area=${area}&${how()}`, location.href).href;
     },
   };
 }
@@ -85,12 +99,14 @@ function loaded(item) {
   });
 }
 
-/** @param {string} id @param {number} width @returns {Promise<any>} */
-const add_image = (id, width) => new Promise((success, failure) =>
-  viewer.addTiledImage({ tileSource: source_of(id, width), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
+/** @param {string} id @param {() => string} how @returns {Promise<any>} */
+const add_image = (id, how) => new Promise((success, failure) =>
+  viewer.addTiledImage({ tileSource: source_of(id, print_width(), how), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
 
 viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
-  const response = await fetch(event.tile.getUrl());
+  const url = new URL(event.tile.getUrl()), asked = url.searchParams.get("turn");
+  if (asked && Number(asked) !== turn) return;
+  const response = await fetch(url);
   if (!response.ok) show_error((await response.json()).error);
 });
 
@@ -98,68 +114,170 @@ viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
 let item;
 /** @type {any} */
 let held; // the print that is compared with
-let wanted = 0, shown = 0, running = false;
+let running = false, finished = 0; // the last turn that is
+/** @type {"" | "mixed" | "exact"} */
+let warm = ""; // which lights are kept apart, as soon as nothing else is to be done
 
-// Puts the view over what is shown, and in its place once all of it is there.
-/** @param {string} id */
-async function show(id) {
-  view = id;
-  const first = viewer.world.getItemCount() === 0, before = item, fresh = await add_image(id, print_width());
+/** Puts the view over what is shown, and in its place once all of it is there. False: it is not wanted any more.
+ * @param {string} id @param {boolean} mixed */
+async function show(id, mixed) {
+  const mine = turn, first = viewer.world.getItemCount() === 0, before = item;
+  const fresh = await add_image(id, () => in_turn(mixed));
   if (held) viewer.world.setItemIndex(held, viewer.world.getItemCount() - 1);
   if (first) viewer.viewport.goHome(true);
-  await loaded(fresh);
+  await Promise.race([loaded(fresh), superseded]);
+  if (turn !== mine) {
+    viewer.world.removeItem(fresh);
+    return false;
+  }
   item = fresh;
   if (before) viewer.world.removeItem(before);
+  return true;
 }
 
-const kPreview = 1.5e6; // samples
-let developed = ""; // the decisions about light of what is shown
+const kPreview = 1.5e6; // samples, which are developed at once
+const kSteps = 8;       // times as many, in each picture until all are in
+/** @typedef {{share: number, mixed: boolean}} Stage */
+/** @type {{light: string, samples: number, stage: Stage, lights_touched: boolean}} */
+const seen = { light: "", samples: 0, stage: { share: 0, mixed: false }, lights_touched: false };
 
-// A preview of some of the samples, where all take a while.
 /** @param {Recipe} asked */
-async function preview(asked) {
-  const share = Number(asked.develop?.fraction ?? 1), fraction = Number((kPreview / state.samples).toPrecision(3));
-  if (fraction > share / 2 || JSON.stringify(asked.develop ?? {}) === developed) return;
-  const made = await ask("views", { method: "POST", body: JSON.stringify({ ...asked, develop: { ...asked.develop, fraction } }) });
-  await show(made.view);
-  $("status").textContent = `preview of ${(100 * fraction).toPrecision(2)} % of the samples; developing the rest …`;
-  await new Promise((later) => setTimeout(later, 300)); // for the next step of a slider
+const light_of = (asked) => JSON.stringify(asked.develop ?? {});
+/** @param {Recipe} asked */
+const without_lights = (asked) => light_of({ ...asked, develop: { ...asked.develop, light: undefined } });
+
+// A part of the samples that is a preview; 1: there are few.
+function first_share() {
+  const share = Number((kPreview / state.samples).toPrecision(3));
+  return share > 0.5 ? 1 : share;
+}
+
+/** Pictures of more and more of the samples; the last is the print. One that has been seen already comes first: it is kept.
+ * @param {Recipe} asked @returns {Stage[]} */
+function stages_of(asked) {
+  const exact = { share: 1, mixed: false }, first = first_share(), same = light_of(asked) === seen.light;
+  if (same && seen.samples > 0 && seen.samples < state.samples) return [exact];  // more samples: what is shown stays until they are in
+  if (same && !seen.stage.mixed && seen.stage.share === 1) return [exact];
+  /** @type {Stage[]} */
+  const stages = [];
+  const mixes = state.light_groups.length > 1 && seen.light !== "" && !same && without_lights(asked) === without_lights(JSON.parse(`{"latent-recipe": 1, "develop": ${seen.light}}`));
+  if (mixes) stages.push({ share: warm === "exact" ? 1 : first, mixed: true });
+  else if (same) stages.push(seen.stage);
+  const from = stages[0]?.share ?? first / kSteps;
+  for (let share = from * kSteps; share < 0.5; share *= kSteps) stages.push({ share, mixed: false });
+  return [...stages, exact];
+}
+
+/** @param {Recipe} asked @param {Stage} stage @returns {Recipe} */
+function at_stage(asked, stage) {
+  if (stage.share === 1) return asked;
+  return { ...asked, develop: { ...asked.develop, fraction: Number((stage.share * Number(asked.develop?.fraction ?? 1)).toPrecision(3)) } };
+}
+
+/** @param {Recipe} asked @param {boolean} mixed */
+const ask_view = (asked, mixed) => ask(`views?${in_turn(mixed)}`, { method: "POST", body: JSON.stringify(asked) });
+const rest = (/** @type {number} */ ms) => Promise.race([superseded, new Promise((later) => setTimeout(later, ms))]);
+
+/** @param {string} text */
+function badge(text) {
+  $("badge").textContent = text;
+  $("badge").hidden = !text;
+}
+/** @param {Stage} stage */
+function badge_of(stage) {
+  if (stage.mixed && stage.share === 1) return "lights mixed · the exact picture follows";
+  return `preview of ${(100 * stage.share).toPrecision(2)} % of the samples · more follow`;
+}
+
+/** @param {Recipe} asked */
+async function show_stages(asked) {
+  const mine = turn;
+  for (const stage of stages_of(asked)) {
+    const exact = stage.share === 1 && !stage.mixed;
+    const made = await ask_view(at_stage(asked, stage), stage.mixed);
+    show_error("");
+    if (exact) {
+      commands = made.commands;
+      if (recipe === asked) keep(made.recipe);
+    }
+    if (!exact || made.view !== view || !item || seen.samples < state.samples) {
+      if (!await show(made.view, stage.mixed)) return;
+    }
+    Object.assign(seen, { light: light_of(asked), stage, samples: exact ? state.samples : 0 });
+    view = made.view;
+    badge(exact ? "" : badge_of(stage));
+    await show_histogram(made.view, stage.mixed);
+    if (!exact) await rest(300); // for the next step of a slider
+    if (exact) finished = mine;
+  }
 }
 
 // Shows the recipe: one view at a time, and always the last one that was asked for.
 async function update() {
-  ++wanted;
+  begin_turn();
+  document.body.dataset.settled = "";
   if (running) return;
   running = true;
-  while (shown !== wanted) {
-    const now = wanted, asked = recipe;
-    document.body.dataset.settled = "";
-    $("status").textContent = "developing: what is seen is not up to date …";
+  while (finished !== turn) {
+    const now = turn;
+    const late = setTimeout(() => $("badge").textContent || badge("developing …"), 200);
     try {
-      await preview(asked);
-      if (now !== wanted) continue;
-      const made = await ask("views", { method: "POST", body: JSON.stringify(asked) });
-      show_error("");
-      commands = made.commands;
-      if (recipe === asked) keep(made.recipe);
-      if (made.view !== view || !item) await show(made.view);
-      developed = JSON.stringify(asked.develop ?? {});
-      await show_histogram(made.view);
+      await show_stages(recipe);
     } catch (error) {
-      show_error(error);
+      if (!(/** @type {any} */ (error).superseded)) {
+        show_error(error);
+        badge("");
+        item?.reset(); // tiles of it may have been given up
+        finished = now;
+      }
     }
-    shown = now;
+    clearTimeout(late);
   }
   running = false;
-  $("status").textContent = "";
+  document.body.dataset.recipe = JSON.stringify(recipe);
   document.body.dataset.settled = view ?? "";
+  keep_lights_apart();
 }
 
-/** @param {string} id */
-async function show_histogram(id) {
+// So that the next mix is there at once: of a part of the samples; of all, once lights have been touched.
+async function keep_lights_apart() {
+  if (state.light_groups.length < 2 || running) return;
+  const mine = turn, shares = [first_share(), ...(seen.lights_touched ? [1] : [])];
+  warm = "";
+  try {
+    for (const share of shares) {
+      const made = await ask_view(at_stage(recipe, { share, mixed: true }), true), w = seen_width;
+      const centre = viewer.viewport.getCenter(), x = inside(centre.x, w), y = inside(centre.y, height_of(w), w);
+      const response = await fetch(`api/tile?view=${made.view}&width=${w}&area=${x},${y},${x + 1},${y + 1}&format=raw&${in_turn(true)}`);
+      if (!response.ok || turn !== mine) return;
+      warm = share === 1 ? "exact" : "mixed";
+    }
+  } catch { /* given up */ }
+}
+/** A pixel inside. @param {number} v @param {number} most */
+const inside = (v, most, scale = most) => Math.floor(Math.min(Math.max(v * scale, 0), most - 1));
+
+// Files that grow: looked at now and then, while somebody looks at the page.
+function show_samples() {
+  const per_pixel = state.samples / (state.width * state.height);
+  $("samples").textContent = `${state.samples.toLocaleString("en")} samples, ${per_pixel.toPrecision(3)} a pixel of ${state.width} × ${state.height}`;
+}
+setInterval(async () => {
+  if (running || document.hidden) return;
+  try {
+    const now = await ask("samples");
+    if (now.samples <= state.samples || running) return;
+    state.samples = now.samples;
+    show_samples();
+    update();
+  } catch { /* the server has ended, or will answer again */ }
+}, 2000);
+
+/** @param {string} id @param {boolean} mixed */
+async function show_histogram(id, mixed) {
   let width = seen_width; // what is developed already, but no more than there is a histogram of
   while (Math.max(width, height_of(width)) > 2048) width = Math.ceil(width / 2);
-  const h = await ask(`histogram?view=${id}&width=${width}`);
+  const h = await ask(`histogram?view=${id}&width=${width}&${in_turn(mixed)}`);
   const canvas = $("histogram"), context = canvas.getContext("2d");
   context.clearRect(0, 0, canvas.width, canvas.height);
   context.globalCompositeOperation = "lighter";
@@ -239,6 +357,13 @@ bind("observer", "develop", "observer", "");
 bind("filter", "develop", "lens-filter", "");
 bind("size", "develop", "size", state.width);
 bind("crop", "develop", "crop", "");
+bind("proof", "convert", "proof", "");
+bind("intent", "convert", "intent", "perceptual");
+bind("glare", "convert", "glare", "");
+bind("shutter", "develop", "shutter", "");
+bind("exposure-follows", "develop", "exposure-follows", false);
+bind("enlarger", "convert", "print-exposure", 0, signed);
+bind("grain", "convert", "grain", false);
 
 shows.push(() => { $("sensitivity").textContent = `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
 $("auto").addEventListener("click", () => { put("convert", "sensitivity", undefined); put("convert", "auto", true); changed(); });
@@ -262,6 +387,38 @@ $("kelvin").addEventListener("input", () => { put("convert", "white", `${$("kelv
 
 $("aperture").addEventListener("change", () => { put("develop", "aperture", $("aperture").value && `f:${$("aperture").value}`); changed(); });
 shows.push(() => { $("aperture").value = /^f:([\d.]+)$/.exec(get("develop", "aperture") ?? "")?.[1] ?? ""; });
+
+// --- Film and paper: the exposures of a film need a paper, which decides much of the rest.
+
+/** What a recipe on this film has, on this paper or with this look. @param {Recipe} from @param {{film?: string, paper?: string, look?: string}} chosen @returns {Recipe} */
+function on_film(from, { film, paper, look }) {
+  const develop = { ...from.develop, film }, convert = { ...from.convert, paper, look };
+  for (const key of ["observer", "camera-output", "raw-balance"]) delete develop[key];
+  for (const key of ["white", "sensitivity", "print-exposure", "grain"]) delete convert[key];
+  if (film && paper !== "scan") for (const key of ["tone", "contrast", "black"]) delete convert[key];
+  for (const section of [develop, convert]) for (const key of Object.keys(section)) if (!section[key]) delete section[key];
+  return { ...from, develop, convert };
+}
+/** @param {{film?: string, paper?: string, look?: string}} chosen */
+function choose_film(chosen) {
+  recipe = on_film(recipe, chosen);
+  changed();
+}
+for (const [id, entries] of /** @type {[string, any[]][]} */ ([["film", state.films], ["look", state.looks],
+  ["paper", [{ name: "scan", what: "scanned, without paper" }, { name: "light-table", what: "" }, { name: "projection", what: "" }, ...state.papers]]]))
+  for (const entry of entries) $(id).append(Object.assign(new Option(entry.name), { title: entry.what }));
+const film_of_look = (/** @type {string} */ look) => state.looks.find((/** @type {any} */ l) => l.name === look)?.film;
+$("film").addEventListener("change", () => choose_film({ film: $("film").value, paper: $("film").value && ($("paper").value || "scan") }));
+$("paper").addEventListener("change", () => choose_film({ film: $("paper").value && ($("film").value || "portra-400"), paper: $("paper").value }));
+$("look").addEventListener("change", () => choose_film({ film: film_of_look($("look").value), look: $("look").value }));
+shows.push(() => {
+  const film = get("develop", "film"), paper = get("convert", "paper"), look = get("convert", "look");
+  $("film").value = film ?? "", $("paper").value = paper ?? "", $("look").value = look ?? "";
+  $("on-film").hidden = !film;
+  for (const part of document.querySelectorAll(".plain"))
+    for (const control of /** @type {NodeListOf<HTMLInputElement>} */ (part.querySelectorAll("input, select, button")))
+      control.disabled = Boolean(film) && !(paper === "scan" && control.closest("details")?.contains($("tone")));
+});
 
 // --- Light mix: "NAME=6500K,wratten-80a,2.5".
 
@@ -289,6 +446,7 @@ function put_lights(settings) {
     if (parts.length > 0) texts.push(`${name}=${parts.join(",")}`);
   }
   put("develop", "light", texts.length > 0 ? texts : undefined);
+  seen.lights_touched = true;
   changed();
 }
 /** @param {string} name @param {Partial<Setting>} change */
@@ -305,14 +463,13 @@ for (const name of /** @type {string[]} */ (state.light_groups)) {
   row.className = "group";
   /** @param {string} tag @param {Section} properties */
   const add = (tag, properties, to = row) => to.appendChild(Object.assign(document.createElement(tag), properties));
-  add("b", { textContent: name });
-  const off = add("button", { textContent: "Mute" }), solo = add("button", { textContent: "Solo" });
+  add("b", { textContent: name, title: name });
+  const stops = /** @type {any} */ (add("input", { type: "range", min: "-6", max: "6", step: "0.05" })), output = add("output", {});
+  const below = add("div", {}), off = add("button", { textContent: "Mute" }, below), solo = add("button", { textContent: "Solo" }, below);
   off.setAttribute("aria-label", `Mute ${name}`);
   solo.setAttribute("aria-label", `Solo ${name}`);
-  const label = /** @type {any} */ (add("label", { className: "slide", textContent: "Stops " }));
-  const stops = /** @type {any} */ (add("input", { type: "range", min: "-6", max: "6", step: "0.05" }, label)), output = add("output", {}, label);
   stops.setAttribute("aria-label", `Stops of ${name}`);
-  const kelvin = /** @type {any} */ (add("input", { type: "number", min: "1000", max: "25000", step: "100", placeholder: "K" }, label));
+  const kelvin = /** @type {any} */ (add("input", { type: "number", min: "1000", max: "25000", step: "100", placeholder: "kelvin" }, below));
   kelvin.setAttribute("aria-label", `Colour temperature of ${name} in kelvin`);
   kelvin.hidden = !state.spectral;
   stops.addEventListener("input", () => put_light(name, { factor: 2 ** Number(stops.value) }));
@@ -339,8 +496,11 @@ for (const name of /** @type {string[]} */ (state.light_groups)) {
 $("light").hidden = state.light_groups.length === 0;
 $("seen").hidden = !state.spectral;
 $("lens").hidden = state.f_number === null;
+$("exposing").hidden = !state.shutter;
+$("follows").hidden = state.f_number === null && !state.shutter;
 if (state.f_number !== null) Object.assign($("aperture"), { placeholder: state.f_number.toFixed(1), min: state.f_number.toFixed(1) });
 for (const o of state.observers) $("observers").append(Object.assign(document.createElement("option"), { value: o.name, label: o.what }));
+for (const path of state.profiles) $("proofs").append(Object.assign(document.createElement("option"), { value: path }));
 for (const f of state.lens_filters) $("filters").append(Object.assign(document.createElement("option"), { value: f }));
 
 // --- Crop, in pixels of the print.
@@ -355,13 +515,39 @@ function show_crop() {
   viewer.addOverlay({ element: frame, location: new OpenSeadragon.Rect(x0, y0, x1 - x0, y1 - y0) });
 }
 $("cut").addEventListener("click", () => {
-  const seen = viewer.viewport.getBounds(true), w = print_width(), h = height_of(w);
-  const inside = (/** @type {number} */ v, /** @type {number} */ most) => Math.round(Math.min(Math.max(v * w, 0), most));
-  const crop = [inside(seen.x, w), inside(seen.y, h), inside(seen.x + seen.width, w), inside(seen.y + seen.height, h)];
+  const bounds = viewer.viewport.getBounds(true), w = print_width(), h = height_of(w);
+  const edge = (/** @type {number} */ v, /** @type {number} */ most) => Math.round(Math.min(Math.max(v * w, 0), most));
+  const crop = [edge(bounds.x, w), edge(bounds.y, h), edge(bounds.x + bounds.width, w), edge(bounds.y + bounds.height, h)];
   if (crop[0] < crop[2] && crop[1] < crop[3]) put("develop", "crop", crop.join(","));
   changed();
 });
-$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); changed(); });
+$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); put("convert", "dpi", undefined); changed(); });
+
+// The shape of the paper, as large as fits into what is in view, gets the pixels that the paper has: so the width of the whole picture
+// follows.
+$("to-paper").addEventListener("click", () => {
+  const dpi = Number($("dpi").value), [across, down] = [$("paper-width"), $("paper-height")].map((side) => Math.round(Number(side.value) / 2.54 * dpi));
+  if (!(dpi > 0 && across > 0 && down > 0)) return;
+  const bounds = viewer.viewport.getBounds(true), top = 1 / (state.aspect[0] / state.aspect[1]);
+  const x0 = Math.max(bounds.x, 0), y0 = Math.max(bounds.y, 0);
+  const w = Math.min(bounds.x + bounds.width, 1) - x0, h = Math.min(bounds.y + bounds.height, top) - y0;
+  if (!(w > 0 && h > 0)) return;
+  const part = Math.min(w, h * across / down);  // of the picture's width
+  const width = Math.ceil(across / part), height = height_of(width);
+  const left = Math.round(Math.min((x0 + (w - part) / 2) * width, width - across)), upper = Math.round(Math.min((y0 + (h - part * down / across) / 2) * width, height - down));
+  put("develop", "size", width);
+  put("develop", "crop", [Math.max(left, 0), Math.max(upper, 0), Math.max(left, 0) + across, Math.max(upper, 0) + Math.min(down, height)].join(","));
+  put("convert", "dpi", dpi);
+  view = undefined;
+  changed();
+});
+shows.push(() => {
+  const dpi = get("convert", "dpi"), width = print_width(), numbers = String(get("develop", "crop") ?? "").split(",").map(Number);
+  const [x0, y0, x1, y1] = numbers.length === 4 ? numbers : [0, 0, width, height_of(width)];
+  const cm = (/** @type {number} */ pixels) => (pixels / dpi * 2.54).toFixed(1);
+  $("on-paper").textContent = `${x1 - x0} × ${y1 - y0} px${dpi ? `, ${cm(x1 - x0)} × ${cm(y1 - y0)} cm` : ""}, ${(state.samples / (width * height_of(width))).toPrecision(3)} samples each`;
+  if (dpi) $("dpi").value = dpi;
+});
 $("size").addEventListener("change", () => { put("develop", "crop", undefined); view = undefined; });
 
 // --- Probe, and picking a neutral.
@@ -384,7 +570,7 @@ viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
     const p = await ask(`probe?view=${view}&width=${w}&x=${x}&y=${y}`);
     const digits = (/** @type {number} */ v) => v.toPrecision(4);
     $("probed").textContent = `pixel ${x}, ${y}: ${Math.round(p.samples)} samples\n` +
-      ["X", "Y", "Z"].map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
+      (p.xy ? ["X", "Y", "Z"] : ["R", "G", "B"]).map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
       (p.xy ? `\nx, y ${p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(", ")}` : `\nof ${p.observer}`) + `\nRGB ${p.rgb.join(", ")}`;
     if (mode === "pick") {
       if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
@@ -416,7 +602,7 @@ async function compare() {
     viewer.world.removeItem(held);
     held = undefined;
   } else if (view) {
-    held = await add_image(view, print_width());
+    held = await add_image(view, () => "");
   }
   $("hold").setAttribute("aria-pressed", String(Boolean(held)));
   show_divider();
@@ -435,23 +621,70 @@ divider.addEventListener("keydown", (/** @type {KeyboardEvent} */ e) => {
 
 // --- Recipes, prints, commands.
 
+/** @param {() => Promise<void>} work */
+const carefully = (work) => async () => { try { show_error(""); await work(); } catch (error) { show_error(error); } };
+
+// --- Choices by eye: the print in view, small and of few samples, with each of them.
+
+let sheet = 0; // the last that was opened
+/** @param {string} title @param {{name: string, what?: string, recipe: () => Promise<Recipe>, take: () => void}[]} choices */
+async function show_sheet(title, choices) {
+  const mine = ++sheet, width = 240, share = Math.min(1, Number((3e5 / state.samples).toPrecision(3)));
+  $("sheet-title").textContent = title;
+  const buttons = choices.map((choice) => {
+    const button = document.createElement("button");
+    button.append(Object.assign(document.createElement("img"), { alt: "", width, height: height_of(width) }), choice.name, ...(choice.what ? [document.createElement("br"), Object.assign(document.createElement("small"), { textContent: choice.what })] : []));
+    button.addEventListener("click", () => { $("sheet").close(); choice.take(); });
+    return button;
+  });
+  $("thumbnails").replaceChildren(...buttons);
+  $("sheet").showModal();
+  for (const [i, choice] of choices.entries()) {
+    if (sheet !== mine || !$("sheet").open) return;
+    try {
+      const whole = await choice.recipe(), develop = { ...whole.develop };
+      delete develop.size;
+      delete develop.crop;
+      const made = await ask("views", { method: "POST", body: JSON.stringify(at_stage({ ...whole, develop }, { share, mixed: false })) });
+      const image = /** @type {HTMLImageElement} */ (buttons[i].firstChild);
+      image.src = new URL(`api/tile?view=${made.view}&width=${width}&area=0,0,${width},${height_of(width)}`, location.href).href;
+      image.alt = `The print with ${choice.name}`;
+      await image.decode();
+    } catch (error) {
+      buttons[i].title = String(/** @type {any} */ (error).message);
+      buttons[i].append(document.createElement("br"), Object.assign(document.createElement("small"), { textContent: buttons[i].title }));
+    }
+  }
+}
+$("eye-films").addEventListener("click", () => show_sheet("Films, scanned, and looks of film and paper", [
+  ...state.looks.map((/** @type {any} */ l) => ({ name: l.name, what: `${l.film}: ${l.what}`, recipe: async () => on_film(recipe, { film: l.film, look: l.name }), take: () => choose_film({ film: l.film, look: l.name }) })),
+  ...state.films.map((/** @type {any} */ f) => ({ name: f.name, what: f.what, recipe: async () => on_film(recipe, { film: f.name, paper: "scan" }), take: () => choose_film({ film: f.name, paper: "scan" }) })),
+]));
+$("eye-observers").addEventListener("click", () => show_sheet("Observers, cameras and black-and-white films", state.observers.map((/** @type {any} */ o) => {
+  const seen_by = () => { const from = on_film(recipe, {}); return { ...from, develop: { ...from.develop, observer: o.name } }; };
+  return { name: o.name, what: o.what, recipe: async () => seen_by(), take: () => { recipe = seen_by(); changed(); } };
+})));
+const read_recipe = (/** @type {string} */ name) => ask(`recipes/${encodeURIComponent(name)}`);
+$("eye-recipes").addEventListener("click", carefully(async () => show_sheet("Saved recipes", (await ask("recipes")).map((/** @type {string} */ name) => (
+  { name, recipe: () => read_recipe(name), take: () => load_recipe(name) })))));
+async function load_recipe(/** @type {string} */ name) {
+  recipe = await read_recipe(name);
+  $("name").value = name;
+  view = undefined;
+  changed();
+}
+
 /** @param {string[]} names */
 function list_recipes(names) {
   $("recipes").replaceChildren(new Option(""), ...names.map((name) => new Option(name)));
 }
 list_recipes(state.recipes);
-/** @param {() => Promise<void>} work */
-const carefully = (work) => async () => { try { show_error(""); await work(); } catch (error) { show_error(error); } };
 $("save").addEventListener("click", carefully(async () => {
   await ask(`recipes/${encodeURIComponent($("name").value)}`, { method: "PUT", body: JSON.stringify(recipe) });
   list_recipes(await ask("recipes"));
 }));
 $("recipes").addEventListener("change", carefully(async () => {
-  if (!$("recipes").value) return;
-  recipe = await ask(`recipes/${encodeURIComponent($("recipes").value)}`);
-  $("name").value = $("recipes").value;
-  view = undefined;
-  changed();
+  if ($("recipes").value) await load_recipe($("recipes").value);
 }));
 $("print").addEventListener("click", carefully(async () => {
   const name = `${$("name").value}.${$("format").value}`;
@@ -469,10 +702,16 @@ async function show_prints() {
   for (;;) {
     const jobs = await ask("prints");
     $("jobs").replaceChildren(...jobs.map((/** @type {any} */ job) => {
-      const line = Object.assign(document.createElement("li"), { textContent: `${job.name}: ${job.state} ${job.message} ` });
+      const percent = job.done === null ? "" : ` ${Math.round(100 * job.done)} %`;
+      const line = Object.assign(document.createElement("li"), { textContent: `${job.name}: ${job.message && job.state === "running" ? "" : job.state} ${job.message}${percent} ` });
       if (job.state === "waiting" || job.state === "running") {
         const stop = line.appendChild(Object.assign(document.createElement("button"), { textContent: "Cancel" }));
         stop.addEventListener("click", () => ask(`prints/${job.id}`, { method: "DELETE" }));
+      }
+      if (job.state === "running") {
+        const bar = Object.assign(document.createElement("progress"), { max: 1 });
+        if (job.done !== null) bar.value = job.done;
+        line.append(bar);
       }
       return line;
     }));
@@ -516,5 +755,6 @@ document.addEventListener("keydown", (event) => {
   keys[event.key]?.();
 });
 
+show_samples();
 show_controls();
 update();

@@ -29,6 +29,24 @@ std::vector<std::string> Folder::recipes() const {
     return names;
 }
 
+std::vector<std::string> Folder::profiles() const {
+    constexpr std::size_t kMostProfiles = 200;
+    std::vector<std::string> paths;
+    const auto add = [&](auto it, std::error_code& error) {
+        for (std::size_t found = 0; !error && it != decltype(it)() && found < kMostProfiles; it.increment(error)) {
+            const std::filesystem::path& path = it->path();
+            if (path.extension() != ".icc" && path.extension() != ".icm") continue;
+            paths.push_back(std::filesystem::absolute(path).lexically_normal().string());
+            ++found;
+        }
+    };
+    std::error_code here, system;
+    add(std::filesystem::directory_iterator(path_, here), here);
+    add(std::filesystem::recursive_directory_iterator("/usr/share/color/icc", system), system);
+    std::ranges::sort(paths);
+    return paths;
+}
+
 Result<Recipe> Folder::recipe(const std::string& name) const {
     const Result<std::filesystem::path> path = file(name + ".json");
     if (!path) return path.error();

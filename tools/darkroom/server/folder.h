@@ -21,6 +21,8 @@ class Folder {
 
     // Names of the files NAME.json, sorted.
     std::vector<std::string> recipes() const;
+    // ICC profiles in it, and those that the system has: paths, at most 200 of each.
+    std::vector<std::string> profiles() const;
     Result<Recipe> recipe(const std::string& name) const;
     // Replaces the one of that name, as a whole or not at all.
     Status save(const std::string& name, const Recipe& recipe) const;

@@ -3,17 +3,20 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <span>
 #include <utility>
 
 #include "base/cli.h"
 #include "base/file.h"
+#include "base/parse.h"
 
 namespace latent::darkroom {
 
@@ -26,17 +29,49 @@ bool is_over(PrintState state) { return state != PrintState::kWaiting && state !
 
 struct Started {
     pid_t child = 0;
-    int messages = -1;  // its standard error
+    int messages = -1;  // its standard error: a terminal, since tools draw how far they are on these
 };
 
+// A terminal of one long row; its other end in `name`.
+Result<int> open_terminal(std::string& name) {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    char other[64];
+    const struct winsize size { .ws_row = 1, .ws_col = 200, .ws_xpixel = 0, .ws_ypixel = 0 };
+    if (terminal >= 0 && ::grantpt(terminal) == 0 && ::unlockpt(terminal) == 0 && ::ptsname_r(terminal, other, sizeof other) == 0 &&
+        ::ioctl(terminal, TIOCSWINSZ, &size) == 0) {
+        name = other;
+        return terminal;
+    }
+    if (terminal >= 0) ::close(terminal);
+    return Error{ErrorCode::kIo, "cannot open a terminal for latent-print"};
+}
+
+// A row of that terminal: a message; or "developing [###...]  37%  2m left", and how far it is.
+void read_row(std::string row, PrintJob& job) {
+    for (std::size_t at = 0; (at = row.find("\033[K")) != std::string::npos;) row.erase(at, 3);
+    const std::size_t percent = row.find('%'), bar = row.find('[');
+    const std::size_t digits = percent == std::string::npos ? percent : row.find_last_not_of("0123456789", percent - 1) + 1;
+    const Result<std::uint64_t> done =
+        percent == std::string::npos ? Result<std::uint64_t>(Error{}) : parse_count(row.substr(digits, percent - digits));
+    if (row.empty()) return;
+    job.done = done && bar < digits ? std::optional(static_cast<double>(*done) / 100) : std::nullopt;
+    if (!job.done) {
+        job.message = row;
+        return;
+    }
+    const std::size_t rest = row.find_first_not_of(' ', percent + 1);
+    job.message = row.substr(0, row.find(' ')) + (rest == std::string::npos ? "" : ", " + row.substr(rest));
+}
+
 Result<Started> start(const std::vector<std::string>& command, int recipe) {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) return Error{ErrorCode::kIo, "cannot make a pipe"};
+    std::string other_end;
+    const Result<int> terminal = open_terminal(other_end);
+    if (!terminal) return terminal.error();
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
+    posix_spawn_file_actions_addopen(&actions, 2, other_end.c_str(), O_WRONLY | O_NOCTTY, 0);
     posix_spawn_file_actions_adddup2(&actions, recipe, kRecipeDescriptor);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
@@ -47,13 +82,12 @@ Result<Started> start(const std::vector<std::string>& command, int recipe) {
     std::vector<char*> arguments;
     for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
-    Started started{0, ends[0]};
+    Started started{0, *terminal};
     const int failed = ::posix_spawn(&started.child, arguments[0], &actions, &attributes, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
-    ::close(ends[1]);
     if (failed == 0) return started;
-    ::close(ends[0]);
+    ::close(*terminal);
     return Error{ErrorCode::kIo, command.front() + ": cannot be started"};
 }
 
@@ -141,17 +175,19 @@ void Prints::make(const Order& order) {
         child_ = started->child;
     }
     std::string line;
+    const auto show = [&] {
+        const std::scoped_lock lock(mutex_);
+        if (Order* const kept = find(order.id)) read_row(std::exchange(line, ""), *kept);
+    };
     char buffer[4096];
     for (ssize_t got = 0; (got = ::read(started->messages, buffer, sizeof buffer)) > 0 || (got < 0 && errno == EINTR);) {
         for (ssize_t i = 0; i < got; ++i) {
-            if (buffer[i] != '\n' && line.size() < 1000) {
-                line += buffer[i];
-                continue;
-            }
-            const std::scoped_lock lock(mutex_);
-            if (Order* const kept = find(order.id)) kept->message = line;
-            line.clear();
+            if (buffer[i] == '\n' || buffer[i] == '\r' || line.size() == 1000) show();
+            if (buffer[i] != '\n' && buffer[i] != '\r') line += buffer[i];
         }
+        const std::string begun = line;  // a bar is a row that nothing ends
+        show();
+        line = begun;
     }
     ::close(started->messages);
     siginfo_t info{};  // it stays a child, whose number is its own, until `cancel` cannot use that any more
@@ -163,6 +199,8 @@ void Prints::make(const Order& order) {
     Order* const kept = find(order.id);
     if (!kept || kept->state == PrintState::kCancelled) return;
     const bool done = WIFEXITED(status) && (WEXITSTATUS(status) == cli::kDone || WEXITSTATUS(status) == cli::kDoneWithLosses);
+    if (kept->done) kept->message.clear();
+    kept->done.reset();
     kept->state = done ? PrintState::kDone : PrintState::kFailed;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,7 +23,8 @@ struct PrintJob {
     std::uint64_t id = 0;
     std::string name;  // of the output
     PrintState state = PrintState::kWaiting;
-    std::string message;  // the last line that latent-print wrote
+    std::string message;           // the last line that latent-print wrote
+    std::optional<double> done{};  // 0..1, of what the message says
 };
 
 class Prints {

@@ -4,6 +4,7 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -14,6 +15,9 @@
 #include "base/parse.h"
 #include "color/catalogue.h"
 #include "color/film/material.h"
+#include "tools/convert/convert.h"
+#include "tools/convert/looks.h"
+#include "tools/darkroom/engine/decisions.h"
 #include "tools/darkroom/server/bitmap.h"
 #include "tools/darkroom/server/commands.h"
 #include "tools/darkroom/server/folder.h"
@@ -28,7 +32,8 @@ using Json = nlohmann::ordered_json;
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kThreads = 16;         // connections at a time
+constexpr std::size_t kThreads = 64;         // connections at a time
+constexpr time_t kPatience = 2;              // seconds that one may say nothing
 constexpr std::size_t kLongestBody = 65536;  // a recipe, and what goes with it
 constexpr int kLargestTile = 2048;           // pixels a side
 
@@ -53,6 +58,8 @@ int status_of(const Error& error) {
             return 404;
         case ErrorCode::kExists:
             return 409;
+        case ErrorCode::kStopped:
+            return 410;
         default:
             return 500;
     }
@@ -103,6 +110,32 @@ class Views {
     std::vector<std::string> order_;  // oldest first
 };
 
+// The last turn of each page: what pages asked for in earlier turns is given up.
+class Turns {
+ public:
+    // Of a request with &tab=NAME&turn=N; one without is never given up.
+    Stopped stopped(const Request& request) {
+        const Result<std::uint64_t> asked = parse_count(request.get_param_value("turn"));
+        const std::string tab = request.get_param_value("tab").substr(0, 32);
+        if (tab.empty() || !asked) return {};
+        const std::scoped_lock lock(mutex_);
+        constexpr std::size_t kTabs = 64;
+        auto last = std::ranges::find(tabs_, tab, &Tab::first);
+        if (last == tabs_.end()) {
+            if (tabs_.size() == kTabs) tabs_.erase(tabs_.begin());
+            last = tabs_.emplace(tabs_.end(), tab, std::make_shared<std::atomic<std::uint64_t>>());
+        }
+        const auto turn = last->second;
+        if (*asked > *turn) *turn = *asked;
+        return [turn, asked = *asked] { return *turn > asked; };
+    }
+
+ private:
+    using Tab = std::pair<std::string, std::shared_ptr<std::atomic<std::uint64_t>>>;
+    std::mutex mutex_;
+    std::vector<Tab> tabs_;  // oldest first
+};
+
 Result<std::uint64_t> number(const Request& request, const char* name, std::uint64_t most) {
     const Result<std::uint64_t> value = parse_count(request.get_param_value(name));
     if (!value || *value > most) return usage_error(fmt::format("{}: a whole number up to {} is needed", name, most));
@@ -119,6 +152,8 @@ class HttpServer final : public Server {
           token_(make_nonce() + make_nonce()) {
         http_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
         http_.set_payload_max_length(kLongestBody);
+        http_.set_read_timeout(kPatience);
+        http_.set_keep_alive_timeout(kPatience);
         http_.set_keep_alive_max_count(1000);
         http_.set_tcp_nodelay(true);
         // Its default lets two servers listen at one port.
@@ -162,6 +197,21 @@ class HttpServer final : public Server {
  private:
     std::string at(const std::string& path) const { return "/" + token_ + "/" + path; }
 
+    // Read here, since the library refuses long bodies that say nothing of their type. None: the library answers.
+    static std::optional<std::string> body_of(const httplib::ContentReader& reader) {
+        std::string body;
+        const bool whole = reader([&](const char* data, std::size_t size) {
+            body.append(data, size);
+            return true;
+        });
+        return whole ? std::optional(std::move(body)) : std::nullopt;
+    }
+    void post(const std::string& path, std::function<Result<Json>(const Request&, const std::string& body)> work) {
+        http_.Post(at(path), [work](const Request& request, Response& response, const httplib::ContentReader& reader) {
+            if (const std::optional<std::string> body = body_of(reader)) answer(response, work(request, *body));
+        });
+    }
+
     void add_page() {
         for (const PageFile& file : page_files()) {
             http_.Get(at(file.name), [file](const Request&, Response& response) {
@@ -169,10 +219,15 @@ class HttpServer final : public Server {
             });
         }
         http_.Get(at("api/state"), [this](const Request&, Response& response) { answer(response, state()); });
+        http_.Get(at("api/samples"), [this](const Request&, Response& response) {
+            engine_.look_again();
+            const auto runs = engine_.runs();
+            answer(response, Json{{"samples", runs->coverage().size()}, {"runs", runs->runs().size()}});
+        });
     }
 
     void add_views() {
-        http_.Post(at("api/views"), [this](const Request& request, Response& response) { answer(response, new_view(request)); });
+        post("api/views", [this](const Request& request, const std::string& body) { return new_view(request, body); });
         http_.Get(at("api/tile"), [this](const Request& request, Response& response) {
             const Result<convert::CodeValues> tile = this->tile(request);
             if (!tile) return fail(response, status_of(tile.error()), tile.error().message);
@@ -191,18 +246,24 @@ class HttpServer final : public Server {
         http_.Get(at("api/recipes"), [this](const Request&, Response& response) { answer(response, Json(folder_.recipes())); });
         http_.Get(at("api/recipes/(.+)"),
                   [this](const Request& request, Response& response) { answer(response, folder_.recipe(request.matches[1])); });
-        http_.Put(at("api/recipes/(.+)"), [this](const Request& request, Response& response) {
-            const Result<Recipe> recipe = parse_recipe(request.body);
+        http_.Put(at("api/recipes/(.+)"), [this](const Request& request, Response& response, const httplib::ContentReader& reader) {
+            const std::optional<std::string> body = body_of(reader);
+            if (!body) return;
+            const Result<Recipe> recipe = parse_recipe(*body);
             const Status saved = recipe ? folder_.save(request.matches[1], *recipe) : Status(recipe.error());
             answer(response, saved ? Result<Json>(Json{{"saved", std::string(request.matches[1])}}) : saved.error());
         });
         http_.Get(at("api/prints"), [this](const Request&, Response& response) {
             Json jobs = Json::array();
             for (const PrintJob& job : prints_.list())
-                jobs.push_back({{"id", job.id}, {"name", job.name}, {"state", name_of(job.state)}, {"message", job.message}});
+                jobs.push_back({{"id", job.id},
+                                {"name", job.name},
+                                {"state", name_of(job.state)},
+                                {"message", job.message},
+                                {"done", job.done ? Json(*job.done) : Json()}});
             answer(response, jobs);
         });
-        http_.Post(at("api/prints"), [this](const Request& request, Response& response) { answer(response, new_print(request)); });
+        post("api/prints", [this](const Request&, const std::string& body) { return new_print(body); });
         http_.Delete(at("api/prints/(\\d{1,18})"), [this](const Request& request, Response& response) {
             prints_.cancel(*parse_count(std::string(request.matches[1])));
             answer(response, Json::object());
@@ -210,14 +271,20 @@ class HttpServer final : public Server {
     }
 
     Result<Json> state() const {
-        const sampledb::RunSet& runs = engine_.runs();
+        const std::shared_ptr<const sampledb::RunSet> opened = engine_.runs();
+        const sampledb::RunSet& runs = *opened;
         const develop::Size size = engine_.default_size();
         Json inputs = Json::array();
         for (const std::filesystem::path& input : inputs_) inputs.push_back(input.filename().string());
-        Json observers = Json::array(), films = Json::array(), filters = Json::array();
+        Json observers = Json::array(), filters = Json::array();
         for (const color::CatalogueEntry& entry : color::observer_catalogue())
             observers.push_back({{"name", entry.name}, {"what", entry.what}});
         for (const color::CatalogueEntry& entry : color::lens_filter_catalogue()) filters.push_back(entry.name);
+        Json stocks = Json::array(), papers = Json::array(), looks = Json::array();
+        for (const film::Material& material : film::materials())
+            (material.in_camera() ? stocks : papers).push_back({{"name", material.name}, {"what", material.title}});
+        for (const convert::NamedLook& look : convert::looks())
+            looks.push_back({{"name", look.name}, {"film", look.film}, {"what", look.what}});
         const bool spectral = runs.job().kind == sampledb::RecordKind::kSpectral;
         Json state{{"version", LATENT_VERSION},
                    {"inputs", inputs},
@@ -230,6 +297,10 @@ class HttpServer final : public Server {
                    {"light_groups", engine_.light_groups()},
                    {"observers", spectral ? observers : Json::array()},
                    {"lens_filters", spectral ? filters : Json::array()},
+                   {"films", spectral ? stocks : Json::array()},
+                   {"papers", papers},
+                   {"looks", looks},
+                   {"profiles", folder_.profiles()},
                    {"f_number", nullptr},
                    {"shutter", engine_.knows_shutter()},
                    {"recipes", folder_.recipes()}};
@@ -237,27 +308,32 @@ class HttpServer final : public Server {
         return state;
     }
 
-    Result<Json> new_view(const Request& request) {
-        const Result<Recipe> recipe = parse_recipe(request.body);
+    Result<Json> new_view(const Request& request, const std::string& body) {
+        const Result<Recipe> recipe = parse_recipe(body);
         if (!recipe) return recipe.error();
-        Result<Recipe> resolved = engine_.resolve(*recipe);
+        Result<Recipe> resolved = engine_.resolve(*recipe, options_of(request));
         if (!resolved) return resolved.error();
         return Json{
             {"view", views_.keep(*resolved)}, {"recipe", *resolved}, {"commands", commands_for(*resolved, inputs_, "print")}};
     }
 
+    ViewOptions options_of(const Request& request) {
+        return {.mixed = request.get_param_value("mixed") == "1", .stopped = turns_.stopped(request)};
+    }
+
     struct Asked {
         Recipe recipe;
         develop::Size size;
+        ViewOptions options;
     };
-    Result<Asked> asked(const Request& request) const {
+    Result<Asked> asked(const Request& request) {
         Result<Recipe> recipe = views_.find(request.get_param_value("view"));
         if (!recipe) return recipe.error();
         const Result<std::uint64_t> width = number(request, "width", develop::kMaxSide);
         if (!width) return width.error();
         const Result<develop::Size> size = engine_.size_of_width(static_cast<std::uint32_t>(*width));
         if (!size) return size.error();
-        return Asked{*std::move(recipe), *size};
+        return Asked{*std::move(recipe), *size, options_of(request)};
     }
 
     Result<convert::CodeValues> tile(const Request& request) {
@@ -268,13 +344,13 @@ class HttpServer final : public Server {
         const image::Rect pixels{(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
         if (pixels.width() > kLargestTile || pixels.height() > kLargestTile)
             return usage_error(fmt::format("area: at most {0} x {0} pixels", kLargestTile));
-        return engine_.view(view->recipe, view->size, pixels);
+        return engine_.view(view->recipe, view->size, pixels, view->options);
     }
 
     Result<Json> histogram(const Request& request) {
         const Result<Asked> view = asked(request);
         if (!view) return view.error();
-        const Result<Histogram> histogram = engine_.histogram(view->recipe, view->size);
+        const Result<Histogram> histogram = engine_.histogram(view->recipe, view->size, view->options);
         if (!histogram) return histogram.error();
         return Json{{"red", histogram->counts[0]},
                     {"green", histogram->counts[1]},
@@ -290,7 +366,8 @@ class HttpServer final : public Server {
         if (!view) return view.error();
         const Result<std::uint64_t> x = number(request, "x", view->size.width - 1), y = number(request, "y", view->size.height - 1);
         if (!x || !y) return x ? y.error() : x.error();
-        const Result<Probe> probe = engine_.probe(view->recipe, view->size, static_cast<int>(*x), static_cast<int>(*y));
+        const Result<Probe> probe =
+            engine_.probe(view->recipe, view->size, static_cast<int>(*x), static_cast<int>(*y), view->options.stopped);
         if (!probe) return probe.error();
         Json json{{"observer", probe->observer.empty() ? "cie1931" : probe->observer},
                   {"values", probe->values},
@@ -302,15 +379,20 @@ class HttpServer final : public Server {
         return json;
     }
 
-    Result<Json> new_print(const Request& request) {
-        const Json order = Json::parse(request.body, nullptr, false);
+    Result<Json> new_print(const std::string& body) {
+        const Json order = Json::parse(body, nullptr, false);
         if (!order.is_object() || !order.contains("name") || !order["name"].is_string() || !order.contains("recipe"))
             return usage_error("an object with a name and a recipe is needed");
         const Result<Recipe> recipe = parse_recipe(order["recipe"].dump());
         if (!recipe) return recipe.error();
         const Result<std::filesystem::path> output = folder_.file(order["name"]);
         if (!output) return output.error();
-        const Result<std::uint64_t> id = prints_.add(*output, *recipe, order.value("replace", Json(false)) == Json(true));
+        Result<Decisions> decisions = decide(*recipe);
+        if (!decisions) return decisions.error();
+        decisions->print.outputs = {*output};
+        decisions->print.replace = order.value("replace", Json(false)) == Json(true);
+        if (Status s = convert::check(decisions->print); !s) return s.error();
+        const Result<std::uint64_t> id = prints_.add(*output, *recipe, decisions->print.replace);
         if (!id) return id.error();
         return Json{{"id", *id}};
     }
@@ -320,6 +402,7 @@ class HttpServer final : public Server {
     Folder folder_;
     Prints prints_;
     Views views_;
+    Turns turns_;
     std::string token_;
     int port_ = 0;
     httplib::Server http_;

@@ -64,7 +64,7 @@ class Engine {
           channels_(channels),
           settings_(settings),
           grid_(settings.width, settings.height, settings.filter.reach()),
-          loader_(run_set, grid_, channels),
+          loader_(run_set, grid_, channels, settings.stopped),
           expected_(expected_records(run_set)),
           classes_{.camera = settings.camera && expected_.camera > 0,
                    .light = settings.light && expected_.light > 0 && run_set.light_paths() > 0},
@@ -288,7 +288,8 @@ class Engine {
             fireflies->look_at(batches, {});
             fireflies->decide();
         }
-        pane_.add_records(batches, {});
+        pane_.add_records(batches, {}, settings_.stopped);
+        if (is_true(settings_.stopped)) return given_up();
         count_dimmed();
         return finish_pane(
             node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.layout().entries(), pane_.fireflies(), batches));
@@ -332,7 +333,7 @@ class Engine {
         if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, stride, region.cells)));
         const auto add = [&](const RecordBatch& batch, const PageRange& range) {
             const std::vector<const RecordBatch*> batches = with_held(batch);
-            pane_.add_records(batches, range);
+            pane_.add_records(batches, range, settings_.stopped);
             if (with_positive_) positive.add_records(batches, range);
         };
         if (Status s = pass(region, reaching(region), room, add); !s) return s.error();
@@ -372,6 +373,7 @@ class Engine {
                 if (!batch) return batch.error();
                 range = {range.end, rest.empty() ? page_order(run, 0) : rest.front().order};
                 add(*batch, range);
+                if (is_true(settings_.stopped)) return given_up();
             } while (!rest.empty());
             show(region, static_cast<double>(run) / static_cast<double>(run_set_.runs().size()));
         }

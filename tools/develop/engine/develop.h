@@ -24,6 +24,7 @@ struct Settings {
     std::uint64_t memory = std::uint64_t{1} << 30;  // bytes to stay within, apart from the index of the files
     std::uint64_t list_memory = 0;                  // what that takes however much memory there is
     std::filesystem::path temporary_folder = ".";   // for unnamed files
+    Stopped stopped;
 };
 
 struct DevelopCounts {
@@ -44,7 +45,7 @@ struct DevelopCounts {
 inline constexpr std::uint32_t kMaxSide = std::uint32_t{1} << 23;  // pixels
 
 // Runs on the threads of the arena that it is called in. Errors: of reading, of `sink`, kOutOfRange (memory too small for one
-// cell).
+// cell), kStopped.
 Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings, TileSink& sink,
                               const Progress& progress = {});
 

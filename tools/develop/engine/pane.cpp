@@ -29,8 +29,10 @@ void Pane::begin(const PixelRect& cells, std::span<std::byte> memory) {
         fireflies_->begin(cells, memory.subspan(windows_.of.size() * window_bytes_, windows_.of.size() * fireflies_->bytes()));
 }
 
-void Pane::add_records(std::span<const RecordBatch* const> batches, const PageRange& range) {
-    tbb::parallel_for(std::size_t{0}, windows_.of.size(), [&](std::size_t cell) { add_to_cell(cell, batches, range); });
+void Pane::add_records(std::span<const RecordBatch* const> batches, const PageRange& range, const Stopped& stopped) {
+    tbb::parallel_for(std::size_t{0}, windows_.of.size(), [&](std::size_t cell) {
+        if (!is_true(stopped)) add_to_cell(cell, batches, range);
+    });
 }
 
 DimmedLight Pane::dimmed(RecordClass record_class) const {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "base/progress.h"
 #include "tools/develop/engine/fireflies.h"
 #include "tools/develop/engine/record_batch.h"
 #include "tools/develop/engine/regions.h"
@@ -29,7 +30,7 @@ class Pane {
     // Null: nothing is dimmed. Else it must have looked at all records, and decided, before any are added.
     Fireflies* fireflies() { return fireflies_ ? &*fireflies_ : nullptr; }
     // Adds the records of the pages in `range`, cell by cell, those of one cell in the order of their pages.
-    void add_records(std::span<const RecordBatch* const> batches, const PageRange& range);
+    void add_records(std::span<const RecordBatch* const> batches, const PageRange& range, const Stopped& stopped);
     const Windows& windows() const { return windows_; }
     // The dimmed light of the camera or light records that were added since `begin`.
     DimmedLight dimmed(sampledb::RecordClass record_class) const;

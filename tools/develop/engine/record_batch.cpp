@@ -187,6 +187,7 @@ Status Loader::load_pages(std::span<const PageRef> pages, Filling& filling, std:
     std::size_t next = 0, announced = 0;
     std::uint64_t on_their_way = 0;
     const auto next_page = [&](tbb::flow_control& flow) -> std::size_t {
+        if (is_true(stopped_)) error.set(given_up());
         if (next == pages.size() || error) {
             flow.stop();
             return 0;

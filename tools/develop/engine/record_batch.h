@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "base/progress.h"
+#include "base/result.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/run_set.h"
 #include "tools/develop/channels/channels.h"
@@ -57,8 +59,12 @@ struct DecodeCounts {
 // Decodes pages, in parallel, into batches.
 class Loader {
  public:
-    Loader(const sampledb::RunSet& run_set, const FilmGrid& grid, const Channels& channels)
-        : run_set_(run_set), grid_(grid), channels_(channels), stride_(static_cast<std::size_t>(channels.stride())) {}
+    Loader(const sampledb::RunSet& run_set, const FilmGrid& grid, const Channels& channels, const Stopped& stopped)
+        : run_set_(run_set),
+          grid_(grid),
+          channels_(channels),
+          stopped_(stopped),
+          stride_(static_cast<std::size_t>(channels.stride())) {}
 
     // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
@@ -113,6 +119,7 @@ class Loader {
     const sampledb::RunSet& run_set_;
     const FilmGrid& grid_;
     const Channels& channels_;
+    const Stopped& stopped_;
     std::size_t stride_;
     DecodeCounts counts_;
     tbb::enumerable_thread_specific<Worker> workers_;

@@ -69,9 +69,10 @@ Result<std::vector<float>> DenoisedPicture::pixels_in(const PixelRect& pixels) c
     return values;
 }
 
-Status DenoisedPicture::denoise() {
+Status DenoisedPicture::denoise(const Stopped& stopped) {
     const std::int64_t tiles_x = (crop_.width() + kTile - 1) / kTile, tiles_y = (crop_.height() + kTile - 1) / kTile;
     const auto make = [&](std::size_t i) -> Result<std::vector<float>> {
+        if (is_true(stopped)) return given_up();
         const std::int64_t x = crop_.x0 + static_cast<std::int64_t>(i) % tiles_x * kTile,
                            y = crop_.y0 + static_cast<std::int64_t>(i) / tiles_x * kTile;
         const PixelRect tile = intersection({x, y, x + kTile, y + kTile}, crop_);

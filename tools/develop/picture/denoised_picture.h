@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/progress.h"
 #include "tools/develop/channels/layers.h"
 #include "tools/develop/denoise/denoiser.h"
 #include "tools/develop/picture/picture_sink.h"
@@ -23,8 +24,8 @@ class DenoisedPicture final : public PictureSink {
 
     Status begin(const image::ExrTileSpec& spec, std::uint64_t waiting_memory) override;
     Status write(int x, int y, std::span<const float> pixels) override;
-    // After the last tile: passes all on, made by the threads of the caller's arena.
-    Status denoise();
+    // After the last tile: passes all on, made by the threads of the caller's arena. Errors: those of `to`, kStopped.
+    Status denoise(const Stopped& stopped);
     Status finish() override { return to_.finish(); }
     std::uint64_t bytes_on_disk() const { return offset_of(all_.x0, all_.y1 + kTile - 1); }
 

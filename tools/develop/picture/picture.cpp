@@ -247,6 +247,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     const std::uint64_t taken =
         run_set.list_memory() + waiting_for_mipmap + std::max(largest_index, std::min(options.memory / 8, index_bytes));
     settings.memory = options.memory - std::min(options.memory, taken);
+    settings.stopped = options.stopped;
     settings.temporary_folder = options.output.empty() ? std::filesystem::temp_directory_path() : folder_of(options.output);
 
     RowLayout stored = channels->layout();
@@ -278,7 +279,7 @@ Result<PictureReport> develop_prepared(const PictureOptions& options, const samp
     threads.run([&] { counts = develop(run_set, prepared->channels, prepared->settings, noisy, progress); });
     if (!counts) return counts.error();
     Status done;
-    if (denoised) threads.run([&] { done = denoised->denoise(); });
+    if (denoised) threads.run([&] { done = denoised->denoise(options.stopped); });
     if (done && publish) done = sink.finish();
     if (!done) return done.error();
     if (denoised) counts->temporary_bytes += denoised->bytes_on_disk();

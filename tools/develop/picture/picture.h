@@ -47,6 +47,7 @@ struct PictureOptions {
     int threads = 0;
     std::string simd = "best";
     std::string recipe;  // base/recipe.h, that the picture keeps; "": none
+    Stopped stopped;     // ends it with kStopped
 
     bool is_preview() const { return fraction < 1 || budget_seconds > 0; }
 };
