@@ -124,7 +124,8 @@ TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
         return testing::run(options);
     };
     using Options = std::vector<std::string>;
-    for (const Options& options : {Options{"--size", "96", "--mipmap", "--halves"}, Options{"--size", "96", "--fraction", "0.3"}}) {
+    for (const Options& options : {Options{"--size", "96", "--mipmap", "--halves"}, Options{"--size", "96", "--fraction", "0.3"},
+                                   Options{"--size", "96", "--crop", "10,20,30,40"}}) {
         std::vector<std::string> dry = options;
         dry.insert(dry.end(), {"--dry-run", "--json"});
         const testing::Outcome outcome = run(dry);
@@ -136,6 +137,7 @@ TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
         const auto report = nlohmann::json::parse(run(wet).out);
         EXPECT_EQ(forecast["width"], report["width"]);
         EXPECT_EQ(forecast["height"], report["height"]);
+        EXPECT_EQ(forecast["crop"], report["crop"]);
         const auto size = static_cast<double>(std::filesystem::file_size(at("a.exr")));
         EXPECT_NEAR(forecast["expected_bytes"].get<double>() / size, 1, 0.2);
         EXPECT_TRUE(forecast["fits"]);

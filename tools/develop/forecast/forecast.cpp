@@ -17,7 +17,7 @@
 namespace latent::develop {
 
 std::string to_text(const Forecast& f) {
-    std::string text = fmt::format("{}: {} x {} pixels", f.output, f.width, f.height);
+    std::string text = fmt::format("{}: {} x {} pixels of {} x {}", f.output, f.crop.width(), f.crop.height(), f.width, f.height);
     if (f.seconds)
         text += fmt::format(", about {} ({} of CPU time)", format_duration(*f.seconds), format_duration(f.cpu_seconds.value_or(0)));
     text += fmt::format("; {} of memory", format_size(std::min(f.memory, f.memory_for_all)));
@@ -33,6 +33,7 @@ std::string to_json(const Forecast& f) {
     nlohmann::json json = {{"output", f.output},
                            {"width", f.width},
                            {"height", f.height},
+                           {"crop", {f.crop.x0, f.crop.y0, f.crop.x1, f.crop.y1}},
                            {"expected_bytes", f.file_bytes},
                            {"expected_temporary_bytes", f.temporary_bytes},
                            {"memory", f.memory},

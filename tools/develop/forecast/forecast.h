@@ -15,7 +15,8 @@ namespace latent::develop {
 
 struct Forecast {
     std::string output;
-    std::uint32_t width = 0, height = 0;
+    std::uint32_t width = 0, height = 0;  // of the whole film
+    PixelRect crop;
     std::optional<double> seconds, cpu_seconds;         // none: the picture does not fit, so nobody waits for it
     std::uint64_t file_bytes = 0, temporary_bytes = 0;  // at most, without compression; about
     std::uint64_t memory = 0, memory_for_all = 0;       // the limit; what would hold all records at once

@@ -509,6 +509,7 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     Forecast forecast;
     forecast.output = asked.output.string();
     forecast.width = whole->report.width, forecast.height = whole->report.height;
+    forecast.crop = whole->report.crop;
     forecast.file_bytes = whole->report.file_bytes;
     forecast.memory = asked.memory;
     forecast.memory_for_all = whole->report.memory_for_all;
