@@ -20,6 +20,9 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
                          const ModelOptions& options, std::vector<std::string>& names, Diagnostics& diagnostics) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
+    if (bytes->starts_with("version https://git-lfs.github.com/spec/"))
+        return Error{ErrorCode::kForeign,
+                     path.string() + ": is a Git LFS pointer instead of the model; fetch that with: git lfs pull"};
     if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
         return Error{ErrorCode::kForeign, fmt::format("{}: not a Wavefront OBJ file: {}", path.string(),
                                                       bytes->empty() ? "the file is empty" : "it is binary")};
@@ -31,7 +34,7 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
     if (!diagnostics.errors().empty())
         return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(diagnostics.errors(), "\n"))};
     if (model->shapes.empty() && model->scene.instances.empty())
-        return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
+        return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles; points and lines are not drawn"};
     const auto missing = [&](std::string_view what, const std::string& name, std::string_view key,
                              const std::vector<std::string>& all) {
         return usage_error(fmt::format("--{0} {1}: {2} has no {0} of this {3}{4}", what, name, path.string(), key,

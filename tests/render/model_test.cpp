@@ -596,6 +596,26 @@ TEST_F(Models, AnythingOfTheWrongKindIsOneError) {
                 ::testing::EndsWith("room.glb: /extensionsRequired: must be an array of strings"));
 }
 
+TEST_F(Models, WhatIsNoModelIsCalledByItsName) {
+    const std::string pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
+    for (const char* name : {"a.glb", "a.gltf", "a.obj"})
+        EXPECT_THAT(refusal(name, pointer), HasSubstr("is a Git LFS pointer")) << name;
+    EXPECT_THAT(refusal("a.glb", "<!DOCTYPE html>"), HasSubstr("is neither glTF, which is JSON, nor a .glb"));
+    EXPECT_THAT(refusal("a.obj", "v 0 0 0\nv 1 0 0\np 1 2\n"), HasSubstr("points and lines are not drawn"));
+}
+
+TEST_F(Models, WhatIsMissingForAColourIsLeftOutWithAWarning) {
+    const LoadedScene colours = load("m.obj", "v 0 0 0 nan 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").value();
+    EXPECT_THAT(colours.warnings, ::testing::ElementsAre(HasSubstr("\"nan\" is not a finite number, and counts as 0")));
+    GltfFile file = quad_and_lamp();
+    file.json["textures"] = {Json::object()};
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;
+    EXPECT_THAT(load("room.glb", as_glb(file)).value().warnings,
+                ::testing::ElementsAre(HasSubstr("/textures/0: is ignored: it has no source")));
+    file.json["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 0;
+    EXPECT_THAT(refusal("room.glb", as_glb(file)), HasSubstr("has no source that is supported"));
+}
+
 TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     const std::string camera = "has no camera; one that shows the whole model is added",
                       light = "has no light; a soft sky with a key light is added",
@@ -683,7 +703,7 @@ TEST_F(Models, AFaultOfTheJsonIsSaidWithItsLineAndColumn) {
     EXPECT_THAT(refusal("room.gltf", "{\n  \"asset\": {\"version\": \"2.0\"},\n  \"nodes\": [1, 2,, 3]\n}\n"),
                 HasSubstr("room.gltf:3:18: not valid JSON: "));
     EXPECT_THAT(refusal("room.gltf", "{\n  \"asset\": \"two\nlines\"\n}\n"), HasSubstr("room.gltf:2:16: not valid JSON: "));
-    EXPECT_THAT(refusal("room.gltf", "?"), HasSubstr("room.gltf:1:1: not valid JSON"));
+    EXPECT_THAT(refusal("room.gltf", "{?"), HasSubstr("room.gltf:1:2: not valid JSON"));
     for (const char* empty : {"", " \n\n"}) EXPECT_THAT(refusal("room.gltf", empty), HasSubstr("room.gltf: the file is empty"));
     std::string glb = as_glb(quad_and_lamp());
     glb[20 + 40] = '\x01';

@@ -120,6 +120,24 @@ TEST_F(Stage, AGroundIsOnlyUnderModelsWithoutCameraAndLights) {
     EXPECT_THAT(load("m.obj", kTriangle).added, ElementsAre(HasSubstr("has no camera"), HasSubstr("and a ground are added")));
 }
 
+// Viewers show it so. A file with cameras is a scene, and so may be an OBJ file, which cannot have any.
+TEST_F(Stage, AnObjectWithLightsIsShownUnderTheSkyToo) {
+    GltfFile file = with_cameras({"a"});
+    file.json["materials"][0]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 9;
+    const auto lights = [&](const ModelOptions& options = {}) {
+        const LoadedScene scene = load("a.glb", as_glb(file), options);
+        return std::pair(scene.description.lights.size(), scene.description.shapes.size());
+    };
+    EXPECT_EQ(lights(), std::pair(std::size_t{0}, std::size_t{1}));
+    file.json.erase("cameras");
+    file.json["nodes"] = {{{"mesh", 0}}};
+    file.json["scenes"] = {{{"nodes", {0}}}};
+    EXPECT_EQ(lights(), std::pair(std::size_t{1}, std::size_t{2}));
+    EXPECT_EQ(lights({.stage = false}), std::pair(std::size_t{0}, std::size_t{1}));
+    EXPECT_THAT(load("a.glb", as_glb(file)).added,
+                ElementsAre(HasSubstr("has no camera"), HasSubstr("is an object with lights of its own")));
+}
+
 TEST_F(Stage, AModelIsSeenAcrossFourFifthsOfThePictureFromEachSide) {
     const std::vector<Vec3d> corners = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}, {0, 0, 3}, {2, 0, 3}, {0, 1, 3}, {2, 1, 3}};
     for (const ModelView view : {ModelView::kThreeQuarter, ModelView::kFront, ModelView::kTop}) {

@@ -155,6 +155,8 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
     const bool is_binary = bytes.starts_with("glTF");
     if (chunks.json.find_first_not_of(" \t\r\n") == chunks.json.npos)
         return Error{ErrorCode::kCorrupt, fmt::format("{}: {} is empty", name, is_binary ? "its JSON chunk" : "the file")};
+    if (!is_binary && chunks.json[chunks.json.find_first_not_of(" \t\r\n")] != '{')
+        return Error{ErrorCode::kForeign, name + ": is neither glTF, which is JSON, nor a .glb"};
     const Status is_object = check_json_object(chunks.json, kMaxDepth);
     try {
         document.json_ = nlohmann::json::parse(chunks.json);

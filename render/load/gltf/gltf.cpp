@@ -76,6 +76,7 @@ class GltfLoader {
         for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
         for (const Placement& p : placements_) place(p);
         model_.has_idle_cameras = !model_.has_camera && root()["cameras"].size() > 0;
+        model_.is_object = root()["cameras"].size() == 0;
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
         const bool is_played = options_.time || options_.shutter;

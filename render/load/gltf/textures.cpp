@@ -106,6 +106,10 @@ std::optional<TextureDescription> GltfTextures::read(const GltfValue& info) {
     if (!index) return std::nullopt;
     const GltfValue texture = textures[*index];
     const GltfValue webp = texture.extension("EXT_texture_webp")["source"], source = webp.exists() ? webp : texture["source"];
+    if (!source.exists() && !texture["extensions"].exists()) {
+        texture.warn("is ignored: it has no source");
+        return std::nullopt;
+    }
     if (!source.exists()) texture.error("has no source that is supported");
     const std::optional<std::uint32_t> image = source.index(document_.root()["images"]);
     if (!image) return std::nullopt;

@@ -77,10 +77,12 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
     const Box box = box_of(model.shapes, model.objects, model.scene.instances);
     const std::vector<Vec3d> points = points_of(model);
     for (Model& more : additions) append(std::move(more), model);
-    // Lit windows and displays: other viewers, too, show their model under a sky.
+    // Lit windows and displays: other viewers, too, show their model under a sky. An object they show under a sky even if it has
+    // lamps.
     const auto glows = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
     const auto is_lamp = [&](const LoadedShape& loaded) { return glows(loaded) && model.radiances[loaded.shape.area_light] > 1; };
     const bool has_light = !model.scene.lights.empty() || std::ranges::any_of(model.shapes, is_lamp);
+    const bool is_shown = model.is_object && additions.empty() && options.stage;
     std::vector<std::string> notes = std::move(model.notes);
     if (!model.has_camera && !model.has_idle_cameras) notes.emplace_back("has no camera; one that shows the whole model is added");
     if (!model.has_camera) model.scene.camera = framing(points, model.scene.film, options);
@@ -93,12 +95,16 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
             notes.emplace_back(
                 fmt::format("has lamps in lumens, as Blender writes them: the sky is multiplied by {:.0f}", model.sky_scale));
         model.scene.lights.push_back(std::move(*sky));
-    } else if (!has_light) {
+    } else if (!has_light || is_shown) {
         const bool has_ground = options.stage && !model.has_camera && !box.is_empty();
-        notes.emplace_back(fmt::format("has no light{}; a soft sky with a key light{} added",
-                                       std::ranges::any_of(model.shapes, glows) ? " but surfaces of radiance 1 or less" : "",
-                                       has_ground ? " and a ground are" : " is"));
-        model.scene.lights.push_back(studio_sky(white, options));
+        const char* const why = has_light                                  ? "is an object with lights of its own"
+                                : std::ranges::any_of(model.shapes, glows) ? "has no light but surfaces of radiance 1 or less"
+                                                                           : "has no light";
+        notes.emplace_back(fmt::format("{}; a soft sky with a key light{} added{}", why, has_ground ? " and a ground are" : " is",
+                                       has_light ? " (--no-stage leaves it without)" : ""));
+        LightDescription sky = studio_sky(white, options);
+        sky.scale = model.sky_scale;
+        model.scene.lights.push_back(std::move(sky));
         if (has_ground) model.shapes.push_back(studio_ground(box, options, model.scene));
     } else if (additions.empty()) {
         notes.emplace_back("is lit by its own lights alone; --sky FILE adds a sky");

@@ -21,16 +21,17 @@ struct Model {
     std::vector<std::string> variants{};              // names
     bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
     bool has_animation = false;
+    bool is_object = false;            // it could have cameras, and has none: no scene, but a thing to be shown
     double sky_scale = 1;              // of a picture of the sky, so that it is in the unit of the lamps
     bool has_integrator = false;       // the scene says which, and how deep
     std::vector<std::string> notes{};  // what was read in another way than it stands there
     std::vector<File> embedded{};      // pictures in the model's own file
 };
 
-// Gives a model what it lacks and a picture needs (stage.h), and what `options` say instead of it. A
-// model without camera and lights also gets a ground. Surfaces of radiance 1 or less do not count as lights. `additions` are
-// appended, and may have what the model lacks; the model alone is framed. Returns the model's notes and what was added, in words,
-// but for a camera in place of idle ones, which were told. Errors: those of read_picture, kUsage.
+// Gives a model what it lacks and a picture needs (stage.h), and what `options` say instead of it. A model without camera and
+// lights also gets a ground, and so does an object with lights. Surfaces of radiance 1 or less do not count as lights. `additions`
+// are appended, and may have what the model lacks; the model alone is framed. Returns the model's notes and what was added, in
+// words, but for a camera in place of idle ones, which were told. Errors: those of read_picture, kUsage.
 Result<std::vector<std::string>> complete(Model& model, std::vector<Model> additions, const ModelOptions& options,
                                           const color::Spectrum& white);
 

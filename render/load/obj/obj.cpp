@@ -75,7 +75,7 @@ Vertices read_vertices(std::string_view text, const std::string& name, Diagnosti
             const std::size_t first = numbers == 7 ? 5 : 4;
             colors.resize(out.positions.size(), {1, 1, 1});
             for (std::size_t c = 0; c < 3; ++c) {
-                colors.back()[c] = s.number(first + c);
+                colors.back()[c] = s.number_or_zero(first + c);
                 brightest = std::max(brightest, colors.back()[c]);
             }
         } else if (key == "vn" && s.has_numbers(3)) {

@@ -71,6 +71,15 @@ double Statements::number(std::size_t i) const {
     return 0;
 }
 
+double Statements::number_or_zero(std::size_t i) const {
+    double x = 0;
+    const std::string_view word = i < words_.size() ? words_[i] : std::string_view();
+    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), x);
+    if (fault != std::errc{} || end != word.data() + word.size() || std::isfinite(x)) return number(i);
+    warn_of_kind("not finite", fmt::format("{}: \"{}\" is not a finite number, and counts as 0", keyword(), word));
+    return 0;
+}
+
 bool Statements::has_numbers(std::size_t count) const {
     if (words_.size() > count) return true;
     error(fmt::format("{}: must be followed by {} numbers", keyword(), count));

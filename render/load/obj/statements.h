@@ -28,6 +28,8 @@ class Statements {
 
     // Word `i` as a finite number; an error if it is none.
     double number(std::size_t i) const;
+    // One that is not finite is 0, with a warning.
+    double number_or_zero(std::size_t i) const;
     // `count` numbers after the keyword.
     bool has_numbers(std::size_t count) const;
 
