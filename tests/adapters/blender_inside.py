@@ -1,6 +1,7 @@
 """Run by blender_test.py inside Blender: ZIP FOLDER SOURCES. Installs the add-on from the zip into a fresh profile, and renders with it."""
 import functools
 import importlib
+import os
 import pathlib
 import sys
 import types
@@ -177,6 +178,16 @@ check("old jobs are there", len(files()) > 1 and kept in files(), files())
 bpy.ops.latent.clean()
 check("and can be removed", files() == {kept}, files())
 
+# A texture of a lamp cannot be exported, and does not stop the render.
+sun.data.use_nodes = True
+gobo = sun.data.node_tree.nodes.new("ShaderNodeTexImage")
+gobo.image = bpy.data.images.new("gobo", 4, 4)
+link = sun.data.node_tree.links.new(gobo.outputs["Color"], sun.data.node_tree.nodes["Emission"].inputs["Color"])
+bpy.ops.render.render()
+check("a texture of a lamp is listed", any("Sun" in line and "no surface" in line for line in engine.last["lost"]), engine.last["lost"])
+sun.data.node_tree.links.remove(link)
+sun.data.use_nodes = False
+
 # A plan for a farm, of two frames.
 settings.farm_folder, scene.frame_end = str(folder / "farm"), 2
 bpy.ops.latent.farm(animation=True)
@@ -192,6 +203,9 @@ except RuntimeError as failure:
 engine.tools.find = find
 check("a missing program is an error", "latent-render is not on the PATH" in said, said)
 
+# Files in one folder do not share jobs.
+bpy.ops.wm.save_as_mainfile(filepath=str(folder / "lamp.blend"))
+check("each file has a folder of its own", engine.folder_of(scene) == os.path.realpath(folder / "job/lamp"), engine.folder_of(scene))
 
 
 class Layout:

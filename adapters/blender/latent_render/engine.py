@@ -20,7 +20,10 @@ def program(name):
 
 
 def folder_of(scene):
-    return os.path.realpath(bpy.path.abspath(scene.latent.folder))
+    """Each .blend file has a folder of its own in that of the panel: others may have scenes of the same names."""
+    file = os.path.splitext(os.path.basename(bpy.data.filepath))[0]
+    folder = os.path.realpath(bpy.path.abspath(scene.latent.folder))
+    return os.path.join(folder, file) if file else folder
 
 
 def name_of(scene, layer):

@@ -54,11 +54,18 @@ def define(document, kind, value):
     return document.texture(kind, value.kind, {**value.parameters, **inputs})
 
 
+class NoSurface:
+    """In place of `places`, of a lamp, a world or a volume."""
+
+    def __getattr__(self, name):
+        raise Unknown("a texture that lies on no surface")
+
+
 class Graph:
     """The nodes of one material, world or lamp. `places` says where pictures lie on the surface; `lost(what)` takes what is left out."""
 
     def __init__(self, tree, lost, places=None, files=None, material=None):
-        self.tree, self.lost, self.places, self.files, self.material = tree, lost, places, files, material
+        self.tree, self.lost, self.places, self.files, self.material = tree, lost, places or NoSurface(), files, material
         self.groups = []  # around the node that is being read
 
     # ----- links

@@ -112,7 +112,8 @@ def picture(graph, node, output):
         raise Unknown("an Image Texture without an image")
     if node.projection != "FLAT":
         raise Unknown(f"an Image Texture with {node.projection.lower()} projection")
-    parameters = {"string filename": graph.files.path(image), **graph.places.relative(graph, node.inputs["Vector"], 1.0)}
+    mapping = graph.places.relative(graph, node.inputs["Vector"], 1.0)
+    parameters = {"string filename": graph.files.path(image), **mapping}
     parameters.pop("integer dimension", None)
     space = image.colorspace_settings.name
     if space not in ENCODINGS:
