@@ -27,7 +27,7 @@ constexpr int kWidth = 96, kHeight = 64, kBlock = 32;  // two rows of three bloc
 std::array<int, 3> color_of(int x, int y) {
     constexpr std::array<std::array<int, 3>, 6> kColors{
         {{200, 40, 60}, {30, 180, 90}, {50, 70, 220}, {255, 255, 255}, {128, 128, 128}, {240, 200, 20}}};
-    return kColors[static_cast<std::size_t>(y / kBlock * 3 + x / kBlock)];
+    return kColors[static_cast<std::size_t>(y / kBlock) * 3 + static_cast<std::size_t>(x / kBlock)];
 }
 
 struct Kind {
@@ -127,7 +127,7 @@ TEST_F(JpegKinds, EachHasTheColoursThatItWasMadeOf) {
 
 // As by other readers of models: texture coordinates are those of the pixels as they are stored.
 TEST_F(JpegKinds, AnOrientationIsIgnored) {
-    std::string exif("Exif\0\0MM\0*\0\0\0\10\0\1\1\22\0\3\0\0\0\1\0", 26);
+    std::string exif("Exif\0\0MM\0*\0\0\0\10\0\1\1\22\0\3\0\0\0\1\0", 25);
     exif += std::string("\6\0\0\0\0\0\0", 7);  // to be turned by 90 degrees
     expect_colors("turned", jpeg_of({.metadata = exif}));
 }

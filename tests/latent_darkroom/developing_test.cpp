@@ -36,7 +36,7 @@ struct Piece {
     }
 };
 
-std::future<Developing::Made> ask(Developing& developing, const std::string& key, Piece& piece, Stopped stopped = {}) {
+std::future<Developing::Made> ask(Developing& developing, const std::string& key, Piece& piece, const Stopped& stopped = {}) {
     return std::async(std::launch::async, [&, key, stopped] { return developing.wait_for(key, piece.work(), stopped); });
 }
 

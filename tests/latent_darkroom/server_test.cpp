@@ -1,5 +1,6 @@
 // latent-darkroom as programs meet it: what it answers, and what it refuses.
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -184,7 +185,7 @@ TEST_F(DarkroomServer, NothingIsWrittenElsewhereOrBadly) {
          {std::string("area=0,0,9,9"), std::string("width=0&area=0,0,1,1"), std::string("width=99999999999&area=0,0,1,1"),
           std::string("width=300&area=0,0,301,1"), std::string("width=300&area=-1,0,1,1"), std::string("width=300&area=5,5,5,9"),
           std::string("width=8000&area=0,0,8000,1")})
-        EXPECT_EQ(status_of(base_ + "api/tile?view=" + id + "&" + query), 400) << query;
+        EXPECT_EQ(status_of(fmt::format("{}api/tile?view={}&{}", base_, id, query)), 400) << query;
     EXPECT_EQ(status_of(base_ + "api/tile?width=300&area=0,0,1,1&view=0000000000000000"), 404);
     EXPECT_EQ(status_of(base_ + "api/probe?view=" + id + "&width=300&x=300&y=0"), 400);
     EXPECT_EQ(folder_->names(), before);

@@ -206,7 +206,7 @@ class HttpServer final : public Server {
         });
         return whole ? std::optional(std::move(body)) : std::nullopt;
     }
-    void post(const std::string& path, std::function<Result<Json>(const Request&, const std::string& body)> work) {
+    void post(const std::string& path, const std::function<Result<Json>(const Request&, const std::string& body)>& work) {
         http_.Post(at(path), [work](const Request& request, Response& response, const httplib::ContentReader& reader) {
             if (const std::optional<std::string> body = body_of(reader)) answer(response, work(request, *body));
         });
