@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <pthread.h>
-#include <spawn.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -16,6 +15,7 @@
 #include "tools/darkroom/arguments.h"
 #include "tools/darkroom/engine/engine.h"
 #include "tools/darkroom/server/server.h"
+#include "tools/darkroom/server/spawn.h"
 
 namespace {
 
@@ -32,24 +32,11 @@ bool has_desktop() {
     return ::isatty(STDOUT_FILENO) == 1 && (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr);
 }
 
-void open_in_browser(std::string address) {
-    std::string program = "xdg-open";
-    char* arguments[] = {program.data(), address.data(), nullptr};
-    posix_spawn_file_actions_t quiet;
-    posix_spawn_file_actions_init(&quiet);
-    posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    pid_t child = 0;
-    ::posix_spawnp(&child, arguments[0], &quiet, &attributes, arguments,
-                   environ);  // fails where there is none: the address is printed
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&quiet);
+// Where there is no xdg-open, the address that is printed will do.
+void open_in_browser(const std::string& address) {
+    latent::darkroom::SpawnFiles quiet;
+    for (const int output : {STDOUT_FILENO, STDERR_FILENO}) quiet.open(output, "/dev/null", O_WRONLY);
+    (void)latent::darkroom::spawn({"xdg-open", address}, quiet);
 }
 
 }  // namespace

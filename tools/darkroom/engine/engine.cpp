@@ -237,14 +237,13 @@ Result<Probe> Engine::probe(const Recipe& recipe, const develop::Size& size, int
     const std::string key = fmt::format("probe {} {},{} {}", text_of(size), x, y, decisions->of_light());
     const Result<Picture> made = kept_or_made(key, make, stopped);
     if (!made) return made.error();
-    const LinearPicture& pixels = (*made)->linear;
-    const std::vector<float>& values = pixels.tiles().begin()->second;
+    const develop::PixelArray& pixels = (*made)->linear;
     Probe probe;
     probe.observer = picture.observer.film.empty() ? picture.observer.name : picture.observer.film;
-    const std::vector<std::string>& names = pixels.spec().channels;
+    const std::vector<std::string>& names = pixels.channels();
     for (std::size_t i = 0; i < names.size(); ++i) {
         constexpr std::string_view kColours[] = {"R", "G", "B"};
-        const double value = values[i];
+        const double value = pixels.pixels()[i];
         for (std::size_t c = 0; c < 3; ++c) {
             if (names[i] == kColours[c]) probe.values[c] = value;
             if (names[i] == fmt::format("variance.{}", kColours[c])) probe.standard_errors[c] = std::sqrt(std::max(0.0, value));

@@ -28,7 +28,7 @@ Result<LightMix> light_mix_of(const Recipe& recipe, const std::vector<std::strin
     return mix;
 }
 
-Status add_up(const LinearPicture& layers, const std::vector<std::string>& groups, const std::vector<double>& factors,
+Status add_up(const develop::PixelArray& layers, const std::vector<std::string>& groups, const std::vector<double>& factors,
               develop::PictureSink& sink) {
     constexpr std::size_t kColours = 3;
     image::ExrTileSpec spec = layers.spec();
@@ -42,14 +42,23 @@ Status add_up(const LinearPicture& layers, const std::vector<std::string>& group
         first.push_back(static_cast<std::size_t>(channel - all.begin()));
     }
     if (Status s = sink.begin(spec, 0); !s) return s;
-    for (const auto& [place, pixels] : layers.tiles()) {
-        std::vector<float> sum(pixels.size() / all.size() * kColours);
-        for (std::size_t from = 0, to = 0; to < sum.size(); from += all.size(), to += kColours) {
-            for (std::size_t g = 0; g < groups.size(); ++g) {
-                for (std::size_t c = 0; c < kColours; ++c) sum[to + c] += weights[g] * pixels[from + first[g] + c];
+    constexpr std::size_t kTile = develop::TileSink::kTile;
+    std::vector<float> sum;
+    for (std::size_t y0 = 0; y0 < layers.height(); y0 += kTile) {
+        for (std::size_t x0 = 0; x0 < layers.width(); x0 += kTile) {
+            sum.clear();
+            for (std::size_t y = y0; y < std::min(y0 + kTile, layers.height()); ++y) {
+                for (std::size_t x = x0; x < std::min(x0 + kTile, layers.width()); ++x) {
+                    const float* const pixel = layers.pixels().data() + (y * layers.width() + x) * all.size();
+                    for (std::size_t c = 0; c < kColours; ++c) {
+                        float value = 0;
+                        for (std::size_t g = 0; g < groups.size(); ++g) value += weights[g] * pixel[first[g] + c];
+                        sum.push_back(value);
+                    }
+                }
             }
+            if (Status s = sink.write(static_cast<int>(x0 / kTile), static_cast<int>(y0 / kTile), sum); !s) return s;
         }
-        if (Status s = sink.write(place.first, place.second, sum); !s) return s;
     }
     return sink.finish();
 }

@@ -6,7 +6,7 @@
 
 #include "base/recipe.h"
 #include "base/result.h"
-#include "tools/darkroom/engine/kept_picture.h"
+#include "tools/develop/picture/pixel_array.h"
 
 namespace latent::darkroom {
 
@@ -19,7 +19,7 @@ struct LightMix {
 Result<LightMix> light_mix_of(const Recipe& recipe, const std::vector<std::string>& groups);
 
 // Adds up the layers light.GROUP of a picture. Last digits can differ from those of a picture of all lights.
-Status add_up(const LinearPicture& layers, const std::vector<std::string>& groups, const std::vector<double>& factors,
+Status add_up(const develop::PixelArray& layers, const std::vector<std::string>& groups, const std::vector<double>& factors,
               develop::PictureSink& sink);
 
 }  // namespace latent::darkroom

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,6 +16,7 @@
 #include "base/cli.h"
 #include "base/file.h"
 #include "base/parse.h"
+#include "tools/darkroom/server/spawn.h"
 
 namespace latent::darkroom {
 
@@ -67,28 +67,15 @@ Result<Started> start(const std::vector<std::string>& command, int recipe) {
     std::string other_end;
     const Result<int> terminal = open_terminal(other_end);
     if (!terminal) return terminal.error();
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, 2, other_end.c_str(), O_WRONLY | O_NOCTTY, 0);
-    posix_spawn_file_actions_adddup2(&actions, recipe, kRecipeDescriptor);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    std::vector<char*> arguments;
-    for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
-    arguments.push_back(nullptr);
-    Started started{0, *terminal};
-    const int failed = ::posix_spawn(&started.child, arguments[0], &actions, &attributes, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-    if (failed == 0) return started;
+    SpawnFiles files;
+    files.open(STDIN_FILENO, "/dev/null", O_RDONLY);
+    files.open(STDOUT_FILENO, "/dev/null", O_WRONLY);
+    files.open(STDERR_FILENO, other_end, O_WRONLY | O_NOCTTY);
+    files.copy(recipe, kRecipeDescriptor);
+    const Result<pid_t> child = spawn(command, files);
+    if (child) return Started{*child, *terminal};
     ::close(*terminal);
-    return Error{ErrorCode::kIo, command.front() + ": cannot be started"};
+    return child.error();
 }
 
 }  // namespace

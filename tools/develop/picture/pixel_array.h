@@ -14,15 +14,15 @@ class PixelArray final : public PictureSink {
     Status write(int x, int y, std::span<const float> pixels) override;
     Status finish() override { return {}; }
 
-    std::size_t width() const { return width_; }
-    std::size_t height() const { return height_; }
-    const std::vector<std::string>& channels() const { return channels_; }
+    const image::ExrTileSpec& spec() const { return spec_; }
+    std::size_t width() const { return static_cast<std::size_t>(spec_.x1 - spec_.x0); }
+    std::size_t height() const { return static_cast<std::size_t>(spec_.y1 - spec_.y0); }
+    const std::vector<std::string>& channels() const { return spec_.channels; }
     // Row after row from the top, all channels of a pixel together.
     const std::vector<float>& pixels() const { return pixels_; }
 
  private:
-    std::size_t width_ = 0, height_ = 0;
-    std::vector<std::string> channels_;
+    image::ExrTileSpec spec_;
     std::vector<float> pixels_;
 };
 
