@@ -608,7 +608,7 @@ TEST_F(Models, WhatIsMissingForAColourIsLeftOutWithAWarning) {
     const LoadedScene colours = load("m.obj", "v 0 0 0 nan 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").value();
     EXPECT_THAT(colours.warnings, ::testing::ElementsAre(HasSubstr("\"nan\" is not a finite number, and counts as 0")));
     GltfFile file = quad_and_lamp();
-    file.json["textures"] = {Json::object()};
+    file.json["textures"] = Json::array({Json::object()});
     file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;
     EXPECT_THAT(load("room.glb", as_glb(file)).value().warnings,
                 ::testing::ElementsAre(HasSubstr("/textures/0: is ignored: it has no source")));
