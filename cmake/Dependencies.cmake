@@ -26,6 +26,7 @@ find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(lcms2 REQUIRED IMPORTED_TARGET lcms2>=2.14)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib>=0.11)
+find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)  # the headers of cpp-httplib 0.18 call it
 if(LATENT_TESTS)
   find_package(GTest CONFIG REQUIRED)
   include(GoogleTest)
