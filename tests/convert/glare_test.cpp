@@ -123,21 +123,6 @@ class GlarePrint : public PrintTest {
         if ((x == 150 && y == 100) || (x == 3 && y == 5)) light = {2000, 3000, 1000};
         return light;
     }
-    std::vector<float> light(const std::string& input, const std::string& output, ConvertOptions options) const {
-        options.tone = "none";
-        options.profile = "1,0,0,0,1,0,0,0,1";
-        const Result<ConvertReport> report = print(input, output, options);
-        EXPECT_TRUE(report) << (report ? "" : report.error().message);
-        if (!report) return {};
-        const Result<image::ExrReader> reader = image::ExrReader::open(folder_ / output);
-        EXPECT_TRUE(reader);
-        const image::Rect window = reader->image().data_window;
-        std::vector<float> pixels(3 * window.pixels());
-        image::ExrReader::Scratch scratch;
-        EXPECT_TRUE(reader->read(window, {&pixels[0], &pixels[window.pixels()], &pixels[2 * window.pixels()]},
-                                 static_cast<std::size_t>(window.width()), scratch));
-        return pixels;
-    }
 };
 
 TEST_F(GlarePrint, IsTheSameForAnyThreadsMemoryFileAndCrop) {

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "image/exr_reader.h"
 #include "image/rect.h"
 #include "tests/faults/process.h"
 #include "tests/image/decode.h"
@@ -99,6 +100,22 @@ class PrintTest : public ::testing::Test {
         options.input = folder_ / input;
         options.outputs = {folder_ / output};
         return convert(options, {});
+    }
+    // Three planes of what is printed without a tone curve, for primaries that are those of XYZ.
+    std::vector<float> light(const std::string& input, const std::string& output, ConvertOptions options) const {
+        options.tone = "none";
+        options.profile = "1,0,0,0,1,0,0,0,1";
+        const Result<ConvertReport> report = print(input, output, options);
+        EXPECT_TRUE(report) << (report ? "" : report.error().message);
+        if (!report) return {};
+        const Result<image::ExrReader> reader = image::ExrReader::open(folder_ / output);
+        EXPECT_TRUE(reader);
+        const image::Rect window = reader->image().data_window;
+        std::vector<float> pixels(3 * window.pixels());
+        image::ExrReader::Scratch scratch;
+        EXPECT_TRUE(reader->read(window, {&pixels[0], &pixels[window.pixels()], &pixels[2 * window.pixels()]},
+                                 static_cast<std::size_t>(window.width()), scratch));
+        return pixels;
     }
     testing::Outcome run_tool(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), testing::tool("latent-convert"));

@@ -158,6 +158,25 @@ TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
     EXPECT_TRUE(is_same(bytes_from_base64(seen[3]["tile"]), printed_of_lens(stopped_down)));
 }
 
+// The picture has 936 x 624 pixels of the screen, from 0,48 on.
+TEST_F(DarkroomPage, WhatIsPaintedIsDodgedInThePrint) {
+    const Json seen = drive({{{"set", {{"dodge-stops", "1"}, {"dodge-radius", "0.2"}}}},
+                             {{"click", "brush"}},
+                             {{"drag", {{234, 360}, {400, 360}, {702, 360}}}, {"shot", "brushed.png"}},
+                             {{"set", {{"dodge-stops", "-2"}}}},
+                             {{"click", "gradient"}},
+                             {{"drag", {{468, 48}, {468, 204}, {468, 360}}}},
+                             {{"click", "#dodges button"}}});
+    const Json both = {"brush:1,0.2,0.25,0.5,0.4274,0.5,0.75,0.5", "gradient:-2,0.5,0,0.5,0.5"};
+    EXPECT_EQ(seen[5]["recipe"]["convert"]["dodge"], both);
+    EXPECT_EQ(seen[5]["error"], "");
+    const std::vector<std::string> exposed{"--sensitivity", sensitivity_of(printed({}))};
+    const std::vector<std::string> brushed = with(exposed, {"--dodge", both[0]}), burnt{"--dodge", both[1]};
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[2]["tile"]), printed(brushed)));
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[5]["tile"]), printed(with(brushed, burnt))));
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[6]["tile"]), printed(with(exposed, burnt))));
+}
+
 TEST_F(DarkroomPage, APrintForAPaperHasItsPixels) {
     const Json seen = drive({{{"set", {{"paper-width", "6"}, {"paper-height", "3"}, {"dpi", "127"}}}},
                              {{"click", "to-paper"}, {"shot", "paper.png"}},

@@ -60,6 +60,12 @@ export function startChromium(folder, onEvent, options = []) {
       await send("Input.dispatchMouseEvent", { type: "mousePressed", ...place });
       await send("Input.dispatchMouseEvent", { type: "mouseReleased", ...place });
     },
+    async drag(places) {
+      for (const [i, [x, y]] of places.entries())
+        await send("Input.dispatchMouseEvent", { type: i === 0 ? "mousePressed" : "mouseMoved", x, y, button: "left", buttons: 1, clickCount: 1 });
+      const [x, y] = places[places.length - 1];
+      await send("Input.dispatchMouseEvent", { type: "mouseReleased", x, y, button: "left", clickCount: 1 });
+    },
     async screenshot(path) {
       const { data } = await send("Page.captureScreenshot", { format: "png" });
       writeFileSync(path, Buffer.from(data, "base64"));

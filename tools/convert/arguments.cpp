@@ -164,6 +164,23 @@ void add_lens(CLI::App& section, ConvertOptions& options) {
         ->type_name("GLARE|FILE.exr");
 }
 
+// What is done under the enlarger.
+void add_hands(CLI::App& section, ConvertOptions& options) {
+    const auto take = [&options](const std::vector<std::string>& texts) {
+        options.dodges.clear();
+        for (const std::string& text : texts) {
+            Result<Dodge> dodge = parse_dodge(text);
+            if (!dodge) throw CLI::ValidationError("--dodge", dodge.error().message);
+            options.dodges.push_back(*std::move(dodge));
+        }
+    };
+    section
+        .add_option_function<std::vector<std::string>>(
+            "--dodge", take, "print a part EV stops brighter, or darker (burn) if EV is negative; may be repeated; see below")
+        ->type_name("brush:EV,RADIUS,X,Y,...|gradient:EV,X0,Y0,X1,Y1")
+        ->allow_extra_args(false);
+}
+
 void add_code_values(CLI::App& section, ConvertOptions& options) {
     section.add_flag("--gray,--grey", options.grey, "write one channel, the luminance of the print, with a profile of grey");
     cli::add_choice<Depth>(section, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
@@ -214,6 +231,7 @@ CLI::App& add_decisions(CLI::App& app, ConvertOptions& options) {
     add_exposure(section, options);
     add_tone_and_colour(section, options);
     add_lens(section, options);
+    add_hands(section, options);
     add_darkroom(section, options.darkroom);
     add_code_values(section, options);
     add_part(section, options);

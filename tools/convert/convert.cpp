@@ -262,9 +262,17 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
                       *film ? (*film)->description() : "", image.recipe},
                      *film);
     if (!exposures) return exposures.error();
-    PassSettings pass{
-        source->xyz_from_file.m[1], display->print_space(), display->proof, display->space,          display->gamut,
-        options.show_clipped,       options.gamut_report,   *emulsion,      image.display_window.x0, image.display_window.y0};
+    PassSettings pass{source->xyz_from_file.m[1],
+                      display->print_space(),
+                      display->proof,
+                      display->space,
+                      display->gamut,
+                      options.show_clipped,
+                      options.gamut_report,
+                      *emulsion,
+                      image.display_window.x0,
+                      image.display_window.y0,
+                      Dodging(options.dodges, image.display_window)};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {
@@ -316,6 +324,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.proof = display->proof_name;
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
+    report.dodged = options.dodges.size();
     if (options.vignette) report.vignette = options.vignette->text;
     if (options.glare) report.glare = options.glare->text;
     if (*film) report.film = (*film)->description();

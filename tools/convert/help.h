@@ -31,6 +31,13 @@ Glare (of the light, before exposure and tone; --format is the frame's size):
   FILE.exr,f:8              a picture of the aperture, white where it is open
   eye, eye,age:70,field:60  an eye; field: degrees of the longer side
 
+Dodge and burn (EV in stops; X, Y, RADIUS in parts of the picture's width, its
+height, and its longer side; X and Y from the upper left corner):
+  brush:0.5,0.1,0.3,0.7     half a stop brighter around a place; further X,Y
+                            pairs make a line, along which the brush goes
+  gradient:-1,0.5,0,0.5,0.4 one stop darker at the upper edge, and less down to
+                            0.4 of the height
+
 Tone curves (all print luminance 1/X at half of display white):
   film                      1 - 2^-t, where t is sensitivity times luminance
   linear, reinhard, filmic  for comparison
@@ -64,6 +71,8 @@ Examples:
       write two outputs in one pass
   latent-convert picture.exr -o test.png --stops -1,0,1
       write test-1.png, test+0.png and test+1.png in one pass
+  latent-convert picture.exr -o sky.png --dodge gradient:-1,0.5,0,0.5,0.4
+      burn the sky in by one stop
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
       print a part of the picture
 

@@ -18,6 +18,7 @@
 #include "image/rect.h"
 #include "tools/convert/darkroom.h"
 #include "tools/convert/device.h"
+#include "tools/convert/dodge.h"
 #include "tools/convert/glare.h"
 #include "tools/convert/inspection.h"
 #include "tools/convert/vignette.h"
@@ -61,7 +62,8 @@ struct ConvertOptions {
 
     std::optional<Vignette> vignette;  // that the light of the scene gets, and then
     std::optional<Glare> glare;
-    DarkroomOptions darkroom;  // of pictures on film
+    std::vector<Dodge> dodges;  // light that parts of the print get
+    DarkroomOptions darkroom;   // of pictures on film
 
     bool grey = false;                              // one channel, the luminance of the print
     Depth depth = Depth::kDefault;                  // 8 for display files, float for EXR; only what the format holds is accepted
@@ -118,6 +120,7 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::string observer;                // "": unknown
     std::string film;                    // the film and its print; "": none
     std::string vignette, glare;         // as --vignette and --glare; "": none
+    std::size_t dodged = 0;              // parts that got light of their own
     std::string shown;                   // shown_by()
     std::string proof;                   // name of the profile that is simulated; "": none
     std::optional<Rendering> rendering;  // of profiles of tables, and of proofs

@@ -96,14 +96,17 @@ void count_not_finite(const std::array<std::span<const float>, 3>& exposures, co
     }
 }
 
-void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
-               Workbench& bench, Outcome& outcome) {
-    const std::size_t width = static_cast<std::size_t>(from.area.width());
-    bench.luminances.resize(width);
-    if (first) {
-        color::luminance_row(settings.y_row, from.row(0, y), from.row(1, y), from.row(2, y), bench.luminances);
+void measure_block(const Block& block, const std::array<double, 3>& y_row, Workbench& bench) {
+    bench.luminances.resize(static_cast<std::size_t>(block.area.width()));
+    for (int y = block.area.y0; y < block.area.y1; ++y) {
+        color::luminance_row(y_row, block.row(0, y), block.row(1, y), block.row(2, y), bench.luminances);
         bench.histogram.add(bench.luminances);
     }
+}
+
+void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, Workbench& bench,
+               Outcome& outcome) {
+    const std::size_t width = static_cast<std::size_t>(from.area.width());
     std::array<std::span<const float>, 3> xyz{from.row(0, y), from.row(1, y), from.row(2, y)};
     if (exposure.film) {
         bench.film_print.resize(3 * width);
@@ -158,13 +161,8 @@ Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& 
     Workbenches benches;
     FirstError error;
     for (std::size_t i = 0; i < plan.band_ends.size() && !error; ++i) {
-        for_each_block(source, nullptr, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
-            bench.luminances.resize(static_cast<std::size_t>(block.area.width()));
-            for (int y = block.area.y0; y < block.area.y1; ++y) {
-                color::luminance_row(y_row, block.row(0, y), block.row(1, y), block.row(2, y), bench.luminances);
-                bench.histogram.add(bench.luminances);
-            }
-        });
+        for_each_block(source, nullptr, plan.blocks(plan.band(i)), benches, error,
+                       [&](const Block& block, Workbench& bench) { measure_block(block, y_row, bench); });
         tell(progress, i + 1, plan.band_ends.size(), "measuring the light");
     }
     if (error) return error.status().error();
@@ -193,11 +191,14 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
         }
         for_each_block(source, settings.light.get(), plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
             bench.outcomes.resize(exposures.size());
+            measure_block(block, settings.y_row, bench);
+            for (int y = block.area.y0; y < block.area.y1; ++y)
+                settings.dodging.apply(block.area.x0, y, {block.row(0, y), block.row(1, y), block.row(2, y)});
             if (settings.emulsion) fill_grain(*settings.emulsion, settings, block.area, bench);
             const Block to = apart ? Block(block.area, bench.printed) : block;
             for (std::size_t e = 0; e < exposures.size(); ++e) {
                 for (int y = block.area.y0; y < block.area.y1; ++y)
-                    print_row(exposures[e], settings, block, to, y, e == 0, bench, bench.outcomes[e]);
+                    print_row(exposures[e], settings, block, to, y, bench, bench.outcomes[e]);
                 const PrintedBlock printed{
                     block.area, {to.planes[0], to.planes[1], to.planes[2]}, static_cast<std::size_t>(block.area.width())};
                 for (std::size_t i = 0; i < exposures[e].sinks.size(); ++i) exposures[e].sinks[i]->take((*bands)[e][i], printed);

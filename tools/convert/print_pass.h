@@ -33,6 +33,7 @@ struct PassSettings {
     bool show_clipped = false, gamut_report = false;
     std::shared_ptr<const Emulsion> emulsion{};  // of film; null: none
     int frame_x0 = 0, frame_y0 = 0;              // corner of the picture's frame
+    Dodging dodging;                             // of parts of the picture
     std::shared_ptr<Rows> light{};               // what the picture's light becomes before it is printed; null: it stays
 };
 

@@ -57,6 +57,7 @@ std::string to_text(const ConvertReport& r) {
     if (r.dpi > 0) text += fmt::format("paper          {} pixels per inch\n", r.dpi);
     if (!r.observer.empty()) text += fmt::format("observer       {}\n", r.observer);
     if (!r.film.empty()) text += fmt::format("film           {}\n", r.film);
+    if (r.dodged > 0) text += fmt::format("dodged         {}\n", counted(r.dodged, "part"));
     if (!r.vignette.empty()) text += fmt::format("vignette       {}\n", r.vignette);
     if (!r.glare.empty()) text += fmt::format("glare          {}\n", r.glare);
     if (!r.shown.empty()) text += fmt::format("shown          {}\n", r.shown);
@@ -99,6 +100,7 @@ std::string to_json(const ConvertReport& r) {
     if (r.auto_sigma) json["auto_sensitivity"] = *r.auto_sigma;
     if (!r.observer.empty()) json["observer"] = r.observer;
     if (!r.film.empty()) json["film"] = r.film;
+    if (r.dodged > 0) json["dodged"] = r.dodged;
     if (!r.vignette.empty()) json["vignette"] = r.vignette;
     if (!r.glare.empty()) json["glare"] = r.glare;
     if (!r.shown.empty()) json["shown"] = r.shown;

@@ -114,6 +114,11 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
     if (options.vignette) all.emplace_back("Vignette", options.vignette->text);
     if (const auto& glare = options.glare)
         all.emplace_back("Glare", glare->aperture.empty() ? glare->text : fmt::format("f:{}", glare->f_number));
+    if (!options.dodges.empty()) {
+        std::vector<std::string_view> dodges;
+        for (const Dodge& dodge : options.dodges) dodges.emplace_back(dodge.text);
+        all.emplace_back("Dodge", fmt::format("{}", fmt::join(dodges, " ")));
+    }
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
     if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
     if (const std::string shown = shown_by(options); !shown.empty()) all.emplace_back("Shown", shown);

@@ -6,6 +6,7 @@
 //   {"key": "."}               a key
 //   {"wait": ".a"}             until there is such an element
 //   {"at": [x, y]}             a click into the window
+//   {"drag": [[x, y], ...]}    the pointer goes through these places of the window
 //   {"shot": "a.png"}          saves what is seen into FOLDER
 // and the page is waited for after each. Prints a JSON list: for each step {"recipe", "tile" (base64 of the raw pixels of the whole
 // print, at most 512 wide), "mixed" (how many tiles of light mixes were seen so far), "error", "text" of the panel}.
@@ -53,6 +54,7 @@ async function take(step) {
     await pause(100);
   }
   if (step.at) await click(...step.at);
+  if (step.drag) await chromium.drag(step.drag);
   await pause(500); // glides and answers that change no view
   await settled();
   if (step.shot) {

@@ -552,17 +552,20 @@ $("size").addEventListener("change", () => { put("develop", "crop", undefined); 
 
 // --- Probe, and picking a neutral.
 
-/** @type {"" | "probe" | "pick"} */
+/** What the pointer does in the picture. @typedef {"" | "probe" | "pick" | "brush" | "gradient"} Mode */
+/** @type {Mode} */
 let mode = "";
-/** @param {"" | "probe" | "pick"} next */
+/** @type {Mode[]} */
+const modes = ["probe", "pick", "brush", "gradient"];
+/** @param {Mode} next */
 function set_mode(next) {
   mode = mode === next ? "" : next;
-  for (const id of ["probe", "pick"]) $(id).setAttribute("aria-pressed", String(mode === id));
+  for (const id of modes) $(id).setAttribute("aria-pressed", String(mode === id));
+  $("picture").style.cursor = mode ? "crosshair" : "";
 }
-$("probe").addEventListener("click", () => set_mode("probe"));
-$("pick").addEventListener("click", () => set_mode("pick"));
+for (const id of modes) $(id).addEventListener("click", () => set_mode(id));
 viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
-  if (!mode || !event.quick || !view) return;
+  if ((mode !== "probe" && mode !== "pick") || !event.quick || !view) return;
   const point = viewer.viewport.pointFromPixel(event.position), w = print_width();
   const x = Math.floor(point.x * w), y = Math.floor(point.y * w);
   if (x < 0 || y < 0 || x >= w || y >= height_of(w)) return;
@@ -582,6 +585,66 @@ viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
     show_error(error);
   }
 });
+
+// --- Dodge and burn: what the pointer draws becomes a part of the print with light of its own.
+
+/** The pixels of the screen that the pointer went through. @type {any[]} */
+let drawn = [];
+const painting = () => mode === "brush" || mode === "gradient";
+/** The longer side of the picture, where its width is 1. */
+const longer = () => Math.max(1, state.aspect[1] / state.aspect[0]);
+function show_stroke() {
+  const brush = mode === "brush", origin = viewer.viewport.pixelFromPoint(new OpenSeadragon.Point(0, 0), true);
+  const one = viewer.viewport.pixelFromPoint(new OpenSeadragon.Point(1, 0), true).x - origin.x;
+  const line = $("stroke").firstElementChild, points = drawn.length === 1 ? [drawn[0], drawn[0]] : drawn;
+  $("stroke").toggleAttribute("hidden", drawn.length === 0);
+  line.setAttribute("points", points.map((p) => `${p.x},${p.y}`).join(" "));
+  line.setAttribute("stroke-width", String(brush ? 2 * Number($("dodge-radius").value) * longer() * one : 2));
+}
+viewer.addHandler("canvas-press", (/** @type {any} */ event) => {
+  if (!painting()) return;
+  drawn = [event.position];
+  show_stroke();
+});
+viewer.addHandler("canvas-drag", (/** @type {any} */ event) => {
+  if (!painting() || drawn.length === 0) return;
+  event.preventDefaultAction = true;
+  const least = mode === "brush" ? 8 : 0; // pixels of the screen between two places of a line
+  if (mode === "gradient") drawn = [drawn[0], event.position];
+  else if (event.position.distanceTo(drawn[drawn.length - 1]) >= least) drawn.push(event.position);
+  show_stroke();
+});
+viewer.addHandler("canvas-drag-end", (/** @type {any} */ event) => { if (painting()) event.preventDefaultAction = true; });
+viewer.addHandler("canvas-release", () => {
+  const line = drawn;
+  drawn = [];
+  show_stroke();
+  if (!painting() || line.length === 0 || (mode === "gradient" && line.length < 2)) return;
+  const top = state.aspect[1] / state.aspect[0], digits = (/** @type {number} */ v) => String(Number(v.toFixed(4)));
+  const places = line.flatMap((p) => { const at = viewer.viewport.pointFromPixel(p, true); return [digits(at.x), digits(at.y / top)]; });
+  const stops = Number($("dodge-stops").value), radius = Number($("dodge-radius").value);
+  put_dodges([...dodges(), mode === "brush" ? `brush:${[stops, radius, ...places]}` : `gradient:${[stops, ...places]}`]);
+});
+/** @returns {string[]} */
+const dodges = () => [get("convert", "dodge") ?? []].flat();
+/** @param {string[]} all */
+function put_dodges(all) {
+  put("convert", "dodge", all.length ? all : undefined);
+  changed();
+}
+shows.push(() => $("dodges").replaceChildren(...dodges().map((text, i) => {
+  const [kind, numbers] = text.split(":"), line = document.createElement("li");
+  const remove = Object.assign(document.createElement("button"), { textContent: "Remove", title: `Remove ${text}` });
+  remove.addEventListener("click", () => put_dodges(dodges().filter((_, j) => j !== i)));
+  line.append(`${kind}, ${signed(parseFloat(numbers))} stops `, remove);
+  return line;
+})));
+for (const id of ["dodge-stops", "dodge-radius"]) {
+  const output = document.querySelector(`output[for="${id}"]`), text = (/** @type {string} */ v) => id === "dodge-stops" ? signed(Number(v)) : v;
+  const follow = () => { if (output) output.textContent = text($(id).value); };
+  $(id).addEventListener("input", follow);
+  follow();
+}
 
 // --- Compare: the print that is held lies over the other, left of the divider.
 
@@ -750,7 +813,7 @@ document.addEventListener("keydown", (event) => {
   /** @type {{[key: string]: () => void}} */
   const keys = {
     "?": () => $("keys").showModal(), ",": () => third(-1), ".": () => third(1), f: () => viewer.viewport.goHome(), 1: () => $("one").click(),
-    c: compare, p: () => set_mode("probe"), Escape: () => set_mode(""),
+    c: compare, d: () => set_mode("brush"), p: () => set_mode("probe"), Escape: () => set_mode(""),
   };
   keys[event.key]?.();
 });
