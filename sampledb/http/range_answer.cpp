@@ -41,6 +41,7 @@ Error io_error(std::string message) { return {ErrorCode::kIo, std::move(message)
 
 bool RangeAnswer::take_header(std::string_view line) {
     header_bytes_ += line.size();
+    if (took_bytes_) return header_bytes_ <= kMaxHeader;  // trailers: what they say of the bytes comes too late
     if (line.starts_with("HTTP/")) {
         status_ = 0;
         std::from_chars(line.data() + std::min(line.find(' '), line.size() - 1) + 1, line.data() + line.size(), status_);
@@ -76,6 +77,7 @@ bool RangeAnswer::take_bytes(ByteSpan bytes) {
     if (status_ != 206) return status_ / 100 != 2 && received_ <= kMaxErrorPage;
     const std::uint64_t surplus = received_ - std::min(received_, announced_);
     if (!verdict_on_range(false)) return false;
+    took_bytes_ = true;
     into_.insert(into_.end(), bytes.begin(),
                  bytes.end() - static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(surplus, bytes.size())));
     return received_ < announced_ || length_ > 0;  // without a length, the range is where the answer ends

@@ -55,6 +55,7 @@ class RangeAnswer {
     std::optional<RemoteVersion> version_;     // from Content-Range
     std::string modified_;
     bool encoded_ = false;
+    bool took_bytes_ = false;  // of the file
 };
 
 }  // namespace latent::sampledb
