@@ -74,15 +74,18 @@ class Plan:
         if self.samples > most and self.until != "render" and not self.compact:
             raise Misuse(f"{self.samples} samples in runs of {self.run_samples} do not fit into one merged file, which holds at most 2^20 "
                          "runs; use --until render, and develop the parts")
-        if any(word.split("=")[0] == "--frames" for word in self.develop):
+        if given("--frames", self.develop):
             raise Misuse("--frames of latent-develop makes several pictures, but the develop step makes one; use --until merge, and develop "
                          "samples.latent")
+        for option, column in SEEN_BY_THE_LENS.items():
+            if given(option, self.develop) and column not in aovs(self.options):
+                raise Misuse(f'--develop: {option} needs samples that were rendered with --aov {column}; add, at the end of the line: -- --aov {column}')
         if self.strips == 1:
             return
         if not size_of(self.develop):
             raise Misuse('--strips: needs the size of the picture, such as --develop="--size 30000x20000"')
         for option in ("--mipmap", "--crop", "--budget", "--fraction"):
-            if any(word.split("=")[0] == option for word in self.develop):
+            if given(option, self.develop):
                 raise Misuse(f"--strips: does not go with {option} of latent-develop")
 
     @property
@@ -151,6 +154,19 @@ class Plan:
             end = max(end, -(-last // self.task_samples))
             found.extend(range(begin, end))
         return found
+
+
+def given(option, words):
+    return any(word.split("=")[0] == option for word in words)
+
+
+SEEN_BY_THE_LENS = {"--aperture": "lens", "--focus": "lens", "--shutter": "time"}  # options of latent-develop, and what they need
+
+
+def aovs(options):
+    """What --aov of latent-render asks for."""
+    found = re.findall(r"--aov[ =]([\w.,-]+)", " ".join(options), re.ASCII)
+    return ",".join(found).split(",")
 
 
 def size_of(develop):

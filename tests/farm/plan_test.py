@@ -158,6 +158,13 @@ class Plan(FarmTest):
         self.assertIn(", 1024 rendered", done.stderr)
         self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
 
+    def test_what_develop_needs_of_the_lens_is_missed_before_anything_is_rendered(self):
+        farm = ["latent-farm", "plan", SCENE, "--spp", 4, "--engine", "shell", "--out", self.folder / "night"]
+        for options, column in (("--aperture 0.5", "lens"), ("--focus=3", "lens"), ("--shutter 0:0.5", "time")):
+            for given in ([], ["--", "--aov", "albedo"]):
+                self.fail_with(f"add, at the end of the line: -- --aov {column}", *farm, "--develop", options, *given, status=2)
+        self.succeed(*farm, "--develop", "--aperture 0.5 --shutter 0:0.5", "--", "--aov=albedo,lens,time")
+
     def test_what_would_spoil_a_plan_is_refused_with_one_line(self):
         self.plan(spp=4)
         night = self.folder / "night"
