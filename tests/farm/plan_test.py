@@ -162,8 +162,9 @@ class Plan(FarmTest):
         farm = ["latent-farm", "plan", SCENE, "--spp", 4, "--engine", "shell", "--out", self.folder / "night"]
         for options, column in (("--aperture 0.5", "lens"), ("--focus=3", "lens"), ("--shutter 0:0.5", "time")):
             for given in ([], ["--", "--aov", "albedo"]):
-                self.fail_with(f"add, at the end of the line: -- --aov {column}", *farm, "--develop", options, *given, status=2)
-        self.succeed(*farm, "--develop", "--aperture 0.5 --shutter 0:0.5", "--", "--aov=albedo,lens,time")
+                self.fail_with(f"add, at the end of the line: -- --aov {column}", *farm, f"--develop={options}", *given, status=2)
+        farm[2] = SOURCE / "scenes/bokeh.pbrt"
+        self.succeed(*farm, "--develop=--aperture 0.5", "--", "--aov=albedo,lens", "--resolution", "32x32")
 
     def test_what_would_spoil_a_plan_is_refused_with_one_line(self):
         self.plan(spp=4)
