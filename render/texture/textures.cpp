@@ -52,7 +52,7 @@ struct Textures::Builder {
         if (!out.pictures_) {
             Result<std::unique_ptr<image::Pictures>> created = image::Pictures::create(cache_bytes > 0 ? cache_bytes : kMinCache);
             if (!created) {
-                if (errors.empty()) errors.push_back(created.error().message);
+                if (errors.empty()) errors.push_back(created.error().at(d.name).message);
                 return at->second = created.error();
             }
             out.pictures_ = std::move(*created);

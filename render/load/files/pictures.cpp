@@ -62,7 +62,7 @@ Result<FilePicture> read_exr(const std::filesystem::path& path) {
 // Integers are encoded as sRGB.
 Result<FilePicture> read_other(const std::filesystem::path& path, const std::string& in_messages) {
     const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
-    if (!pictures) return pictures.error();
+    if (!pictures) return pictures.error().at(in_messages);
     const Result<image::WholePicture> picture = (*pictures)->read(path.string(), in_messages, {});
     if (!picture) return picture.error();
     const image::PictureInfo& info = picture->info;
