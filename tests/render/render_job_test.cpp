@@ -112,7 +112,7 @@ TEST_F(JobOf, StrictTakesNoSceneOfWhichAnythingIsIgnoredThatSamplesMayDependOn) 
     ASSERT_FALSE(refused);
     const std::string room = strict.scene.string();
     EXPECT_EQ(refused.error().message, room + ": refused because of --strict\n" + room +
-                                           ":2:1: Integrator: \"regularize\" is ignored: reflections are not blurred");
+                                           ":2:19: Integrator: ignored: \"regularize\": reflections are not blurred");
     strict.strict = false;
     EXPECT_EQ(job(strict)->warnings.size(), 3u);
 }

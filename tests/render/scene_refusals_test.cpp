@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "render/load/files/unread.h"
 #include "render/load/list_features.h"
 #include "render/load/pbrt/features.h"
 #include "tests/render/scenes.h"
@@ -115,7 +116,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     EXPECT_THAT(refusal("ActiveTransform EndTime\nScale 2 1 1\nCamera \"perspective\"\nWorldBegin"),
                 HasSubstr("at EndTime skews or stretches"));
     EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("Camera \"realistic\" is not supported"));
-    EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("; use \"perspective\" with \"lensradius\""));
+    EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr(": use \"perspective\" with \"lensradius\""));
     EXPECT_THAT(refusal("Film \"rgb\""), HasSubstr("ends before WorldBegin"));
     EXPECT_THAT(refused_world("Material \"diffused\""), Not(HasSubstr("pbrt-v")));
     EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("must come after WorldBegin"));
@@ -272,6 +273,64 @@ TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
     EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
 }
 
+// One table: what it lists is named at loading, with the same words, and harmless means that a note is all.
+TEST(SceneRefusals, WhatIsNotReadIsListedAndNamed) {
+    const auto one_line = [](const std::string& text) { return std::regex_replace(text, std::regex("\\s+"), " "); };
+    const std::string list = one_line(list_features());
+    const Folder folder;
+    const auto said = [&](const char* name, const std::string& text, bool is_harmless) {
+        const Result<LoadedScene> scene = load_scene(folder.write(name, text));
+        std::string all = scene ? "" : scene.error().message;
+        for (const auto& lines : {scene ? scene->notes : std::vector<std::string>{},
+                                  scene && !is_harmless ? scene->warnings : std::vector<std::string>{}}) {
+            for (const std::string& line : lines) all += line + "\n";
+        }
+        return all;
+    };
+    for (const UnreadFeatures& of : unread_features()) {
+        const std::string why(of.why), names(of.names), kind(of.kind);
+        EXPECT_THAT(list, HasSubstr(kind + (names.empty() ? " " : " " + names + ": ") + why));
+        std::istringstream words(names.empty() ? "nothing" : names);
+        for (std::string word; words >> word;) {
+            SCOPED_TRACE(kind + " " + word);
+            const auto pbrt = [&](const std::string& text) { EXPECT_THAT(said("a.pbrt", text, of.is_harmless), HasSubstr(why)); };
+            const std::string value = fmt::format(" \"{} {}\" true\n", "bool", word);
+            if (of.language == SceneLanguage::kGltf && kind == "extensions") {
+                const std::string text =
+                    R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36, "uri": "data:;base64,)" + std::string(48, 'A') +
+                    R"("}], "bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126,
+                    "count": 3, "type": "VEC3"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+                    "nodes": [{"mesh": 0}], "extensionsUsed": [")" +
+                    word + "\"]}";
+                EXPECT_THAT(said("a.gltf", text, of.is_harmless), HasSubstr(word + " is "));
+                EXPECT_THAT(said("a.gltf", text, of.is_harmless), HasSubstr(why));
+            } else if (of.language == SceneLanguage::kObj && kind != "options of maps") {
+                const std::string line = kind == "colours" ? "Kd " + word + " 1" : word + " 1", in_mtl = "newmtl m\n" + line + "\n";
+                if (word == "bump") continue;  // reads a picture
+                folder.write("a.mtl", kind == "statements" ? "newmtl m\n" : in_mtl);
+                const std::string in_obj = kind == "statements" ? line + "\n" : "";
+                EXPECT_THAT(said("a.obj", "mtllib a.mtl\n" + in_obj + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", of.is_harmless),
+                            HasSubstr(why));
+            } else if (of.language == SceneLanguage::kPbrtV4 && kind == "Option") {
+                pbrt("Option \"" + word + "\" true\nWorldBegin\nShape \"sphere\"\n");
+            } else if (of.language == SceneLanguage::kPbrtV4 && names.empty()) {
+                pbrt(kind + " \"x\"\nWorldBegin\nShape \"sphere\"\n");
+            } else if (kind == "Film" || kind == "Integrator") {
+                const bool is_v3 = of.language == SceneLanguage::kPbrtV3, is_film = kind == "Film";
+                pbrt(fmt::format("Film \"{}\"{}{}WorldBegin\nShape \"sphere\"\n", is_v3 ? "image" : "rgb", is_film ? value : "\n",
+                                 is_film ? "" : "Integrator \"path\"" + value));
+            } else if (kind == "Camera type" || kind == "Integrator type") {
+                pbrt(fmt::format("{} \"{}\"\nWorldBegin\nShape \"sphere\"\n", kind.substr(0, kind.find(' ')), word));
+            } else if (kind == "Shape type") {
+                pbrt(fmt::format("Film \"image\"\nWorldBegin\nShape \"{}\"\n", word));
+            } else if (kind == "Shape") {
+                pbrt(fmt::format("Film \"{}\"\nWorldBegin\nShape \"sphere\"{}",
+                                 of.language == SceneLanguage::kPbrtV3 ? "image" : "rgb", value));
+            }
+        }
+    }
+}
+
 // Names that begin with latent: are those of the table of docs/scenes.md, those that the parsers compare with, and those that the
 // project's scenes show.
 TEST(SceneRefusals, EveryExtensionIsListedDocumentedAndShown) {
@@ -380,8 +439,9 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Option \"seed\" 3", "", "1:1: Option \"seed\" is ignored"},
              Case{"Film \"spectral\"", "", "1:1: Film \"spectral\" is ignored"},
              Case{"Film \"gbuffer\"", "", "1:1: Film \"gbuffer\" is ignored"},
-             Case{"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "", "1:1: Film: sensor \"canon_eos_5d\" is ignored"},
-             Case{"Film \"rgb\" \"float iso\" 200", "", "1:1: Film: \"iso\" is ignored"},
+             Case{"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "",
+                  "1:12: Film: ignored: \"sensor\": choose one with latent-develop"},
+             Case{"Film \"rgb\" \"float iso\" 200", "", "1:12: Film: ignored: \"iso\": set the exposure"},
              Case{"Film \"rgb\" \"bool savefp16\" false \"string filename\" \"x.exr\"", "",
                   "1:12: Film: ignored: \"savefp16\", \"filename\""},
              Case{"Film \"rgb\"\n \"float cropwindow\" [ 0 .5 0 1 ]", "", "2:2: Film: ignored: \"cropwindow\""},

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/load/files/unread.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -41,6 +42,12 @@ class Diagnostics {
     }
     void note_of_kind(const std::string& kind, const std::string& place, const std::string& message) {
         say_of_kind(kind, place, message, notes_);
+    }
+
+    // What is not read (files/unread.h): a note if it is harmless, else a warning; `message`, and why.
+    void say_of_unread(const std::string& kind, const std::string& place, const std::string& message,
+                       const UnreadFeatures& unread) {
+        say_of_kind(kind, place, message + ": " + std::string(unread.why), unread.is_harmless ? notes_ : warnings_);
     }
 
     // "room.pbrt:12:3".

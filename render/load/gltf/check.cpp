@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/near_names.h"
+#include "render/load/files/unread.h"
 #include "render/load/gltf/schema.h"
 
 namespace latent::render {
@@ -44,9 +45,17 @@ bool check_objects(const GltfValue& value, const GltfObjectType& type) {
     return good;
 }
 
+void tell_of_unread(const GltfValue& value, const GltfMember& member) {
+    const UnreadFeatures* const unread = find_unread(SceneLanguage::kGltf, member.kind, member.name);
+    value.say_of_unread(std::string(unread->why), "is not used", *unread);
+}
+
 bool check_member(const GltfValue& value, const GltfMember& member) {
     switch (member.holds) {
         case Holds::kAnything:
+            return true;
+        case Holds::kUnread:
+            tell_of_unread(value, member);
             return true;
         case Holds::kText:
             return must_be_text(value);
@@ -91,7 +100,9 @@ bool check_object(const GltfValue& value, const GltfObjectType& type) {
     if (!must_be_object(value)) return false;
     bool good = true;
     for (const std::string& name : value.keys()) {
-        const auto member = std::ranges::find(type.members, first_of_set(name), &GltfMember::name);
+        const auto exact = std::ranges::find(type.members, name, &GltfMember::name),
+                   member =
+                       exact != type.members.end() ? exact : std::ranges::find(type.members, first_of_set(name), &GltfMember::name);
         if (member != type.members.end() && !value[name].exists()) {
             value[name].warn_of_kind("null", "is null, and is ignored");
         } else if (member != type.members.end()) {

@@ -6,17 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "render/load/files/unread.h"
+
 namespace latent::render {
 
 std::span<const std::string_view> known_extensions() {
-    static constexpr std::string_view kKnown[] = {"EXT_instance_features",
-                                                  "EXT_mesh_features",
-                                                  "EXT_mesh_gpu_instancing",
-                                                  "EXT_mesh_manifold",
+    static constexpr std::string_view kKnown[] = {"EXT_mesh_gpu_instancing",
                                                   "EXT_meshopt_compression",
-                                                  "EXT_structural_metadata",
                                                   "EXT_texture_webp",
-                                                  "FB_ngon_encoding",
                                                   "KHR_draco_mesh_compression",
                                                   "KHR_lights_punctual",
                                                   "KHR_materials_anisotropy",
@@ -35,14 +32,18 @@ std::span<const std::string_view> known_extensions() {
                                                   "KHR_materials_volume",
                                                   "KHR_mesh_quantization",
                                                   "KHR_meshopt_compression",
-                                                  "KHR_texture_transform",
-                                                  "KHR_xmp",
-                                                  "KHR_xmp_json_ld",
-                                                  "MSFT_lod"};
+                                                  "KHR_texture_transform"};
     return kKnown;
 }
 
-bool is_known_extension(std::string_view name) { return std::ranges::count(known_extensions(), name) > 0; }
+bool is_known_extension(std::string_view name) {
+    const UnreadFeatures* const unread = find_unread(SceneLanguage::kGltf, "extensions", name);
+    return std::ranges::count(known_extensions(), name) > 0 || (unread != nullptr && unread->is_harmless);
+}
+
+std::string unsupported_extension(std::string_view name) {
+    return fmt::format("is not supported, and is ignored{}", why_unread(SceneLanguage::kGltf, "extensions", name));
+}
 
 bool check_extensions(const GltfValue& root) {
     const GltfValue required = root["extensionsRequired"], used = root["extensionsUsed"];
@@ -55,8 +56,11 @@ bool check_extensions(const GltfValue& root) {
     }
     for (std::size_t i = 0; i < used.size(); ++i) {
         const std::string name = used[i].text();
-        if (!is_known_extension(name) && std::ranges::count(refused, name) == 0)
-            used[i].warn(fmt::format("{} is not supported, and is ignored", name));
+        if (!is_known_extension(name)) {
+            if (std::ranges::count(refused, name) == 0) used[i].warn(fmt::format("{} {}", name, unsupported_extension(name)));
+        } else if (const std::string why = why_unread(SceneLanguage::kGltf, "extensions", name); !why.empty()) {
+            used[i].note(fmt::format("{} is ignored{}", name, why));
+        }
     }
     return refused.empty();
 }

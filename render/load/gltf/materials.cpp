@@ -64,13 +64,6 @@ MaterialDescription read_glass(const GltfValue& material, const ModelColors& col
     return glass;
 }
 
-void tell_of_ignored(const GltfValue& material) {
-    if (const GltfValue occlusion = material["occlusionTexture"]; occlusion.exists())
-        occlusion.note_of_kind("occlusion", "is not used: occlusion is computed");
-    if (const GltfValue thick = material.extension("KHR_materials_volume")["thicknessTexture"]; thick.exists())
-        thick.note_of_kind("thickness", "is not used: light takes its way through the shape");
-}
-
 // Where its colour is not black.
 void read_sheen(const GltfValue& material, GltfTextures& textures, MaterialDescription& surface) {
     const GltfValue sheen = material.extension("KHR_materials_sheen");
@@ -236,7 +229,6 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
         textures.number(coat["clearcoatTexture"], PictureChannel::kRed, fraction_of(coat["clearcoatFactor"], 0));
     surface.numbers["coat_roughness"] = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
                                                         fraction_of(coat["clearcoatRoughnessFactor"], 0));
-    tell_of_ignored(material);
     const SpectrumInput base_color = surface.spectra.at("base_color");
     if (material.extension("KHR_materials_unlit").exists()) {
         material.warn("an unlit material is rendered as a matt one");
@@ -280,7 +272,7 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
     }
     read_alpha(material, body.picture, body.factor[3], vertices, textures, out);
     for (const std::string& name : material["extensions"].keys()) {
-        if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
+        if (!is_known_extension(name)) material["extensions"][name].warn(unsupported_extension(name));
     }
     read_emission(material, textures, out);
     out.needs = {.uv_sets = textures.uv_sets(),

@@ -7,6 +7,9 @@ namespace {
 using Holds = GltfMember::Holds;
 
 constexpr GltfMember any(std::string_view name) { return {name}; }
+constexpr GltfMember unread(std::string_view name, std::string_view kind = "members") {
+    return {name, Holds::kUnread, false, 0, nullptr, kind};
+}
 constexpr GltfMember text(std::string_view name) { return {name, Holds::kText}; }
 constexpr GltfMember flag(std::string_view name) { return {name, Holds::kFlag}; }
 constexpr GltfMember number(std::string_view name) { return {name, Holds::kNumber}; }
@@ -57,7 +60,7 @@ constexpr GltfMember kSpecularMembers[] = {number("specularFactor"), numbers("sp
 constexpr GltfObjectType kSpecular{kSpecularMembers};
 constexpr GltfMember kTransmissionMembers[] = {number("transmissionFactor"), object("transmissionTexture", kInfo)};
 constexpr GltfObjectType kTransmission{kTransmissionMembers};
-constexpr GltfMember kVolumeMembers[] = {number("thicknessFactor"), any("thicknessTexture"), number("attenuationDistance"),
+constexpr GltfMember kVolumeMembers[] = {number("thicknessFactor"), unread("thicknessTexture"), number("attenuationDistance"),
                                          numbers("attenuationColor", 3)};
 constexpr GltfObjectType kVolume{kVolumeMembers};
 constexpr GltfObjectType kUnlit{};
@@ -91,7 +94,7 @@ constexpr GltfObjectType kPbr{kPbrMembers};
 constexpr GltfMember kMaterialMembers[] = {text("name"),
                                            object("pbrMetallicRoughness", kPbr),
                                            object("normalTexture", kNormal),
-                                           any("occlusionTexture"),
+                                           unread("occlusionTexture"),
                                            object("emissiveTexture", kInfo),
                                            numbers("emissiveFactor", 3),
                                            text("alphaMode"),
@@ -145,10 +148,11 @@ constexpr GltfMember kViewMembers[] = {any("name"),
                                        any("target"),
                                        object("extensions", kViewExtensions)};
 constexpr GltfObjectType kView{kViewMembers};
-constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), count("TANGENT"), count("TEXCOORD_0"),
-                                            count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};
+constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"),   count("TANGENT"), count("TEXCOORD_0"),
+                                            count("COLOR_0"),  unread("COLOR_1"), any("JOINTS_0"),  any("WEIGHTS_0")};
 constexpr GltfObjectType kAttributes{kAttributeMembers};
-constexpr GltfMember kTargetMembers[] = {count("POSITION"), count("NORMAL"), count("TANGENT"), any("TEXCOORD_0"), any("COLOR_0")};
+constexpr GltfMember kTargetMembers[] = {count("POSITION"), count("NORMAL"), count("TANGENT"),
+                                         unread("TEXCOORD_0", "morph targets"), unread("COLOR_0", "morph targets")};
 constexpr GltfObjectType kTarget{kTargetMembers};
 constexpr GltfMember kMappingMembers[] = {any("name"), required(count("material")), required(counts("variants"))};
 constexpr GltfObjectType kMapping{kMappingMembers};
@@ -167,9 +171,9 @@ constexpr GltfMember kMeshMembers[] = {any("name"), required(objects("primitives
 constexpr GltfObjectType kMesh{kMeshMembers};
 
 // Cameras, lights and nodes.
-constexpr GltfMember kPerspectiveMembers[] = {number("aspectRatio"), required(number("yfov")), any("zfar"), any("znear")};
+constexpr GltfMember kPerspectiveMembers[] = {number("aspectRatio"), required(number("yfov")), unread("zfar"), unread("znear")};
 constexpr GltfObjectType kPerspective{kPerspectiveMembers};
-constexpr GltfMember kOrthographicMembers[] = {required(number("xmag")), required(number("ymag")), any("zfar"), any("znear")};
+constexpr GltfMember kOrthographicMembers[] = {required(number("xmag")), required(number("ymag")), unread("zfar"), unread("znear")};
 constexpr GltfObjectType kOrthographic{kOrthographicMembers};
 constexpr GltfMember kCameraMembers[] = {any("name"), required(text("type")), object("perspective", kPerspective),
                                          object("orthographic", kOrthographic)};
@@ -177,7 +181,7 @@ constexpr GltfObjectType kCamera{kCameraMembers};
 constexpr GltfMember kSpotMembers[] = {number("innerConeAngle"), number("outerConeAngle")};
 constexpr GltfObjectType kSpot{kSpotMembers};
 constexpr GltfMember kLightMembers[] = {text("name"),           numbers("color", 3), number("intensity"),
-                                        required(text("type")), any("range"),        object("spot", kSpot)};
+                                        required(text("type")), unread("range"),     object("spot", kSpot)};
 constexpr GltfObjectType kLight{kLightMembers};
 constexpr GltfMember kLightsMembers[] = {required(objects("lights", kLight))};
 constexpr GltfObjectType kLights{kLightsMembers};

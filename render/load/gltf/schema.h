@@ -12,6 +12,7 @@ struct GltfObjectType;
 struct GltfMember {
     enum class Holds : std::uint8_t {
         kAnything,  // not checked
+        kUnread,    // not checked, and not used: the kind is `kind`
         kText,
         kFlag,
         kNumber,
@@ -27,6 +28,7 @@ struct GltfMember {
     bool required = false;
     std::uint32_t size = 0;
     const GltfObjectType* type = nullptr;
+    std::string_view kind{};  // in files/unread.h
 };
 
 struct GltfObjectType {

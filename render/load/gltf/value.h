@@ -78,6 +78,10 @@ class GltfValue {
     void note_of_kind(const std::string& kind, const std::string& message) const {
         diagnostics_->note_of_kind(kind, place(), message);
     }
+    // A note or a warning of that kind: `message`, and why.
+    void say_of_unread(const std::string& kind, const std::string& message, const UnreadFeatures& unread) const {
+        diagnostics_->say_of_unread(kind, place(), message, unread);
+    }
     const std::string& path() const { return path_; }
 
  private:

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <map>
 
+#include "render/load/files/unread.h"
+
 namespace latent::render {
 
 namespace {
@@ -74,8 +76,8 @@ std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name,
         if (option == "-imfchan" && word == "g") out.channel = PictureChannel::kGreen;
         if (option == "-imfchan" && word == "b") out.channel = PictureChannel::kBlue;
         if (option == "-imfchan" && word == "m") out.channel = PictureChannel::kAlpha;
-        if (option == "-mm" || option == "-t" || option == "-boost" || option == "-cc")
-            s.warn(fmt::format("{}: {} is ignored", s.keyword(), option));
+        if (const UnreadFeatures* const unread = find_unread(SceneLanguage::kObj, "options of maps", option))
+            s.say_of_unread(std::string(option), fmt::format("{}: {} is ignored", s.keyword(), option), *unread);
     }
     if (name.empty()) {
         s.warn(fmt::format("{}: names no file, and is ignored", s.keyword()));

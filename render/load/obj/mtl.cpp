@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/load/files/pictures.h"
+#include "render/load/files/unread.h"
 #include "render/load/obj/maps.h"
 #include "render/load/obj/statements.h"
 
@@ -37,7 +38,6 @@ constexpr double kIndex = 1.5, kSheenRoughness = 0.3;
 constexpr std::string_view kMaps[] = {"map_Kd", "map_Ks", "map_Ke", "map_Ns",  "map_d", "map_Pr",
                                       "map_Pm", "map_Ps", "map_Pc", "map_Pcr", "norm",  "bump"};
 constexpr std::string_view kProperties[] = {"Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr"};
-constexpr std::string_view kIgnored[] = {"Ka", "aniso", "anisor", "sharpness", "xyz", "spectral", "map_Ka", "map_aat"};
 
 template <std::size_t N>
 bool is_among(const std::string_view (&words)[N], std::string_view word) {
@@ -54,7 +54,8 @@ std::string_view canonical(std::string_view keyword) {
 
 LinearRgb rgb_of(const Statements& s) {
     if (s.words().size() > 1 && (s.words()[1] == "spectral" || s.words()[1] == "xyz")) {
-        s.warn(fmt::format("{}: only rgb values are read; it is black", s.keyword()));
+        s.warn(fmt::format("{}: {} values are not read{}", s.keyword(), s.words()[1],
+                           why_unread(SceneLanguage::kObj, "colours", s.words()[1])));
         return {};
     }
     LinearRgb rgb;
@@ -176,8 +177,9 @@ class Describer {
         if (normals == b.maps.end() && !is_bump) return;
         const MtlMap& map = is_bump ? bump->second : normals->second;
         if (is_bump && !is_normal_map(map.texture.picture))
-            return target_.diagnostics.warn_of_kind("bump", b.place,
-                                                    fmt::format("{}: bump: heights have no unit, and are ignored", b.name));
+            return target_.diagnostics.warn_of_kind(
+                "bump", b.place,
+                fmt::format("{}: bump: is ignored{}", b.name, why_unread(SceneLanguage::kObj, "materials", "bump")));
         surface.normal_map = values_.normal_map(map.texture);
         surface.normal_scale = static_cast<float>(map.strength);
         surface.normals_follow_v = true;
@@ -237,17 +239,23 @@ bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& t
             if (block) materials[block->name] = describe(*block);
             block = Block{.place = statements.place(), .name = statements.rest()};
         } else if (!block) {
-            if (!is_among(kProperties, key) && !is_among(kMaps, key) && !is_among(kIgnored, key)) return false;
+            if (!is_among(kProperties, key) && !is_among(kMaps, key) &&
+                find_unread(SceneLanguage::kObj, "materials", key) == nullptr)
+                return false;
             statements.warn(fmt::format("{}: comes before any newmtl, and is ignored", key));
         } else if (is_among(kMaps, canonical(key))) {
             if (std::optional<MtlMap> map = read_map(statements, name, target.files))
                 block->maps.insert_or_assign(std::string(canonical(key)), std::move(*map));
         } else if (is_among(kProperties, key)) {
             read_property(statements, *block);
-        } else if (!is_among(kIgnored, key)) {
-            const bool is_known = key.starts_with("map_") || key == "disp" || key == "decal" || key == "refl";
-            statements.warn_of_kind("MTL " + std::string(key.substr(0, 40)),
-                                    fmt::format("{}: {}is ignored", key.substr(0, 40), is_known ? "" : "is unknown, and "));
+        } else {
+            const UnreadFeatures* const unread = find_unread(SceneLanguage::kObj, "materials", key);
+            const std::string what(key.substr(0, 40)), kind = "MTL " + what;
+            if (unread == nullptr) {
+                statements.warn_of_kind(kind, fmt::format("{}: is unknown, and is ignored", what));
+            } else {
+                statements.say_of_unread(kind, what + ": is ignored", *unread);
+            }
         }
     }
     if (block) materials[block->name] = describe(*block);

@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "base/size.h"
+#include "render/load/files/unread.h"
 #include "render/load/model/values.h"
 #include "render/load/obj/mtl.h"
 #include "render/load/obj/polygon.h"
@@ -114,9 +115,7 @@ class ObjReader {
         const std::size_t before = diagnostics_.errors().size();
         if (before > 0) return {};  // of vertices
         while (statements_.next() && diagnostics_.errors().size() < before + kMaxErrors) read_statement();
-        for (const auto& [what, count] : ignored_)
-            diagnostics_.warn(statements_.place(),
-                              fmt::format("{} \"{}\" {} ignored", counted(count, "statement"), what, count == 1 ? "was" : "were"));
+        for (const auto& [what, count] : ignored_) tell_of_ignored(what, count);
         for (const PartKey& key : order_) {
             PartMesh& part = parts_[key];
             LoadedShape shape;
@@ -153,6 +152,14 @@ class ObjReader {
         } else if (key != "o" && key != "g" && key != "mg") {
             ++ignored_[std::string(key.substr(0, 40))];
         }
+    }
+
+    void tell_of_ignored(const std::string& what, std::uint64_t count) {
+        static constexpr UnreadFeatures kUnknown{SceneLanguage::kObj, "statements", "", "it is unknown"};
+        const UnreadFeatures* const unread = find_unread(SceneLanguage::kObj, "statements", what);
+        const std::string message =
+            fmt::format("{} \"{}\" {} ignored", counted(count, "statement"), what, count == 1 ? "was" : "were");
+        statements_.say_of_unread("statement " + what, message, unread != nullptr ? *unread : kUnknown);
     }
 
     // "s 1", "s on", "s off".

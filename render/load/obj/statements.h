@@ -40,6 +40,10 @@ class Statements {
     void warn_of_kind(const std::string& kind, const std::string& message) const {
         diagnostics_->warn_of_kind(kind, place(), message);
     }
+    // A note or a warning of that kind: `message`, and why.
+    void say_of_unread(const std::string& kind, const std::string& message, const UnreadFeatures& unread) const {
+        diagnostics_->say_of_unread(kind, place(), message, unread);
+    }
 
  private:
     std::string_view text_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/near_names.h"
+#include "render/load/files/unread.h"
 #include "render/load/pbrt/materials.h"
 
 namespace latent::render {
@@ -66,8 +67,14 @@ std::string near_types(std::string_view directive, std::string_view type) {
     return near.empty() ? "" : fmt::format("; did you mean {}?", near);
 }
 
+std::string why_unread_type(std::string_view directive, std::string_view type) {
+    const std::string kind = fmt::format("{} type", directive), why = why_unread(SceneLanguage::kPbrtV4, kind, type);
+    return why.empty() ? why_unread(SceneLanguage::kPbrtV3, kind, type) : why;
+}
+
 std::string unsupported(std::string_view directive, std::string_view type) {
-    return fmt::format("{} \"{}\" is not supported{} ({})", directive, type, near_types(directive, type), types_of(directive));
+    return fmt::format("{} \"{}\" is not supported{} ({}){}", directive, type, near_types(directive, type), types_of(directive),
+                       why_unread_type(directive, type));
 }
 
 }  // namespace latent::render

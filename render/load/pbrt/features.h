@@ -25,6 +25,8 @@ std::span<const PbrtFeature> pbrt_extensions();
 std::string types_of(std::string_view directive);
 // "; did you mean conductor?", or nothing.
 std::string near_types(std::string_view directive, std::string_view type);
+// ": use what is like it", or nothing.
+std::string why_unread_type(std::string_view directive, std::string_view type);
 // "Material "conducter" is not supported; did you mean conductor? (diffuse, conductor)".
 std::string unsupported(std::string_view directive, std::string_view type);
 

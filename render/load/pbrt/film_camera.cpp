@@ -19,14 +19,6 @@ FilmDescription read_film(const std::string& type, const ParameterList& list) {
     } else if (type != "rgb") {
         list.error(unsupported("Film", type));
     }
-    if (const std::string sensor = list.string("sensor").value_or("cie1931"); sensor != "cie1931")
-        list.note(fmt::format("Film: sensor \"{}\" is ignored; choose one with latent-develop --observer", sensor));
-    if (list.number("iso", 100) != 100) list.note("Film: \"iso\" is ignored; set the exposure with latent-convert --sensitivity");
-    list.ignore({"filename", "savefp16"}, "-o names the samples, latent-develop writes the picture");
-    list.ignore({"pixelbounds", "cropwindow"}, "samples cover the whole film; latent-develop --crop takes a part");
-    list.ignore({"maxcomponentvalue", "whitebalance", "nbuckets", "lambdamin", "lambdamax"},
-                "it is decided when samples become pixels");
-    list.ignore({"diagonal", "coordinatesystem"}, "it does not change the picture");
     list.report_unused();
     return film;
 }
@@ -95,9 +87,7 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
     } else if (type == "orthographic") {
         camera.kind = CameraKind::kOrthographic;
     } else {
-        const bool is_realistic = type == "realistic";
-        list.error(unsupported("Camera", type) +
-                   (is_realistic ? "; use \"perspective\" with \"lensradius\" and \"focaldistance\"" : ""));
+        list.error(unsupported("Camera", type));
         return camera;
     }
     list.report_unused();
@@ -107,12 +97,6 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
 void read_integrator(const std::string& type, const ParameterList& list, bool replaced, SceneDescription& scene) {
     scene.integrator = type;
     scene.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 5, 0, 1 << 30));
-    if (list.flag("regularize", false)) list.warn("Integrator: \"regularize\" is ignored: reflections are not blurred");
-    list.ignore({"lightsampler", "visualizestrategies", "visualizeweights"}, "it does not change the picture");
-    list.ignore(
-        {"samplelights", "samplebsdf", "bootstrapsamples", "chains", "mutationsperpixel", "largestepprobability", "sigma",
-         "photonsperiteration", "radius", "seed", "cossample", "maxdistance", "function", "filename", "skipbad", "imagefilename"},
-        "it belongs to another integrator");
     if (replaced) return list.report_unused();
     if (is_among(pbrt_replacements(), "Integrator", type)) {
         const bool finds_caustics = type == "mlt" || type == "sppm";
@@ -120,7 +104,7 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
         list.note(fmt::format("Integrator \"{}\" is replaced by \"{}\"{}", type, scene.integrator,
                               finds_caustics ? ", which finds fewer caustics: those behind glass or water stay noisy" : ""));
     } else if (!is_among(pbrt_features(), "Integrator", type)) {
-        list.error(unsupported("Integrator", type) + "; choose one with --integrator");
+        list.error(unsupported("Integrator", type));
     }
     list.report_unused();
 }

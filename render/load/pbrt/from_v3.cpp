@@ -10,6 +10,8 @@
 #include <numbers>
 #include <utility>
 
+#include "render/load/files/unread.h"
+
 namespace latent::render {
 
 namespace {
@@ -168,9 +170,22 @@ std::string FromPbrtV3::current(const std::string& kind, const std::string& name
     return known == names_.end() || known->second.count < 2 ? name : fmt::format("{} ({})", name, known->second.count);
 }
 
-void FromPbrtV3::drop(Directive& d, std::string_view name, std::optional<double> harmless, std::string_view why) const {
-    const std::optional<Parameter> p = take(d, name);
-    if (p && (!harmless || grey(*p) != harmless)) diagnostics_.warn(p->where, fmt::format("{}: ignored: {}", name, why));
+void FromPbrtV3::drop_unread(Directive& d) const {
+    std::erase_if(d.parameters, [&](const Parameter& p) {
+        const UnreadFeatures* const unread = find_unread(SceneLanguage::kPbrtV3, d.name, p.name);
+        if (unread == nullptr) return false;
+        diagnostics_.say_of_unread(d.name + p.name, diagnostics_.place(p.where), p.name + ": ignored", *unread);
+        return true;
+    });
+}
+
+void FromPbrtV3::drop(Directive& d, std::string_view material, std::initializer_list<std::string_view> names,
+                      double harmless) const {
+    for (const std::string_view name : names) {
+        const std::optional<Parameter> p = take(d, name);
+        if (p && grey(*p) != harmless)
+            diagnostics_.warn(p->where, fmt::format("{}: ignored{}", name, why_unread(SceneLanguage::kPbrtV3, material, name)));
+    }
 }
 
 std::vector<Directive> FromPbrtV3::translate(Directive d) {
@@ -193,6 +208,7 @@ std::vector<Directive> FromPbrtV3::translate(Directive d) {
 
 bool FromPbrtV3::rewrite(Directive& d) {
     if (d.name == "WorldEnd") return false;
+    drop_unread(d);
     for (Parameter& p : d.parameters) {
         make_rgb(p);
         if (p.type != "texture") continue;
@@ -245,14 +261,9 @@ bool FromPbrtV3::rewrite(Directive& d) {
 void FromPbrtV3::film(Directive& d) const {
     if (d.strings[0] == "image") d.strings[0] = "rgb";
     rename(d, "maxsampleluminance", "maxcomponentvalue");
-    if (const std::optional<Parameter> scale = take(d, "scale"); scale && grey(*scale) != 1)
-        diagnostics_.note(scale->where, "scale: ignored; set the exposure with latent-convert --sensitivity");
 }
 
 void FromPbrtV3::integrator(Directive& d) const {
-    for (const char* name :
-         {"rrthreshold", "lightsamplestrategy", "strategy", "numiterations", "imagewritefrequency", "pixelbounds"})
-        take(d, name);
     if (d.strings[0] != "directlighting" && d.strings[0] != "whitted") return;
     if (d.strings[0] == "directlighting") set(d, "integer", "maxdepth", {1});
     diagnostics_.note(d.where, fmt::format("Integrator \"{}\" is replaced by \"path\"", d.strings[0]));
@@ -261,7 +272,6 @@ void FromPbrtV3::integrator(Directive& d) const {
 
 void FromPbrtV3::light(Directive& d) const {
     if (d.strings[0] == "area") d.strings[0] = "diffuse";
-    for (const char* name : {"samples", "nsamples"}) take(d, name);
     rename(d, "mapname", "filename");
     const bool has_picture = find(d, "filename") != nullptr;
     double total = 1;
@@ -285,7 +295,6 @@ void FromPbrtV3::light(Directive& d) const {
 }
 
 void FromPbrtV3::shape(Directive& d) const {
-    for (const char* name : {"discarddegenerateUVs", "shadowalpha", "nsamples"}) take(d, name);
     rename(d, "nlevels", "levels");
     if (const std::optional<Quadric> quadric = quadric_of(d)) make_mesh(d, *quadric);
     for (const char* name : {"uv", "st"}) {
@@ -310,7 +319,6 @@ void FromPbrtV3::texture(Directive& d) {
                                            : fmt::format("gamma {}", p->numbers[0])});
         }
     }
-    take(d, "aamode");
     // Its own inputs were those before.
     d.strings[0] = define("texture", d.strings[0]);
 }
@@ -344,7 +352,6 @@ void FromPbrtV3::scale_texture(Directive& d) const {
 }
 
 std::optional<double> FromPbrtV3::material(std::string& type, Directive& d) const {
-    constexpr std::string_view kLost = "pbrt-v4 has no such surface";
     rename(d, "bumpmap", "displacement");
     std::optional<double> opacity;
     const auto coated = [&](double roughness, double body) {
@@ -366,15 +373,14 @@ std::optional<double> FromPbrtV3::material(std::string& type, Directive& d) cons
         type = "interface";
     } else if (type == "matte") {
         type = "diffuse";
-        drop(d, "sigma", 0, "the surface is Lambert's");
+        drop(d, "matte", {"sigma"}, 0);
         make_reflectance(d, "Kd", "reflectance");
     } else if (type == "plastic") {
         coated(0.1, 0.25);
     } else if (type == "substrate") {
         coated(0.1, 0.5);
     } else if (type == "uber") {
-        drop(d, "Kr", 0, kLost);
-        drop(d, "Kt", 0, kLost);
+        drop(d, "uber", {"Kr", "Kt"}, 0);
         if (const std::optional<Parameter> p = take(d, "opacity")) {
             if (p->type == "texture") diagnostics_.warn(p->where, "opacity: ignored: it is a texture");
             if (p->type != "texture" && mean(*p) < 1) opacity = std::clamp(mean(*p), 0.0, 1.0);
@@ -382,11 +388,10 @@ std::optional<double> FromPbrtV3::material(std::string& type, Directive& d) cons
         coated(0.1, 0.25);
     } else if (type == "glass") {
         type = "dielectric";
-        drop(d, "Kr", 1, "glass has no colour of its own");
-        drop(d, "Kt", 1, "glass has no colour of its own");
+        drop(d, "glass", {"Kr", "Kt"}, 1);
     } else if (type == "metal") {
         type = "conductor";
-        drop(d, "Kr", 1, kLost);
+        drop(d, "metal", {"Kr"}, 1);
         const bool has_axes = find(d, "uroughness") != nullptr || find(d, "vroughness") != nullptr;
         if (!has_axes) set_default(d, "float", "roughness", {0.01});
     } else if (type == "mirror") {
@@ -405,8 +410,7 @@ std::optional<double> FromPbrtV3::material(std::string& type, Directive& d) cons
     } else if (type == "kdsubsurface" || type == "subsurface") {
         if (type == "kdsubsurface") make_reflectance(d, "Kd", "reflectance");
         type = "subsurface";
-        drop(d, "Kr", 1, kLost);
-        drop(d, "Kt", 1, kLost);
+        drop(d, "subsurface", {"Kr", "Kt"}, 1);
     } else if (type == "hair") {
         make_reflectance(d, "color", "reflectance");
     }
@@ -421,7 +425,7 @@ void FromPbrtV3::translucent(Directive& d) const {
     };
     const Parameter back = body("reflect"), through = body("transmit");
     Parameter color = take(d, "Kd").value_or(Parameter{.type = "rgb", .where = d.where, .numbers = {0.25, 0.25, 0.25}});
-    drop(d, "Ks", 0, "translucent surfaces are matt");
+    drop(d, "translucent", {"Ks"}, 0);
     for (const char* name : {"roughness", "remaproughness"}) take(d, name);
     const bool is_constant = color.numbers.size() == 3 && back.numbers.size() == 3 && through.numbers.size() == 3;
     for (const auto& [name, share] : {std::pair{"reflectance", &back}, std::pair{"transmittance", &through}}) {
@@ -455,7 +459,6 @@ void FromPbrtV3::mixture(Directive& d) const {
 }
 
 void FromPbrtV3::disney(Directive& d) const {
-    constexpr std::string_view kLost = "latent:principled has no such part";
     make_reflectance(d, "color", "color");
     set_default(d, "rgb", "color", {0.5, 0.5, 0.5});
     const std::optional<Parameter> gloss = take(d, "clearcoatgloss");
@@ -470,7 +473,7 @@ void FromPbrtV3::disney(Directive& d) const {
         if (const std::optional<double> s = grey(*sheen); s && *s > 0) set(d, "rgb", "sheen", {*s, *s, *s});
         if (!grey(*sheen)) diagnostics_.warn(sheen->where, "sheen: ignored: it is a texture");
     }
-    for (const char* name : {"sheentint", "speculartint", "flatness", "difftrans", "scatterdistance"}) drop(d, name, 0, kLost);
+    drop(d, "disney", {"sheentint", "speculartint", "flatness", "difftrans", "scatterdistance"}, 0);
 }
 
 }  // namespace latent::render

@@ -2,6 +2,7 @@
 // docs/scenes.md, "Scenes for pbrt-v3".
 #pragma once
 
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,8 +40,9 @@ class FromPbrtV3 {
     // The name that stands for `name` from now on: pbrt-v3 allows to define it again.
     std::string define(const std::string& kind, const std::string& name);
     std::string current(const std::string& kind, const std::string& name) const;
-    // A parameter that pbrt-v4 lacks, unless it has the value that changes nothing.
-    void drop(Directive& d, std::string_view name, std::optional<double> harmless, std::string_view why) const;
+    // Parameters that pbrt-v4 lacks; of a material, unless they have the value that changes nothing.
+    void drop_unread(Directive& d) const;
+    void drop(Directive& d, std::string_view material, std::initializer_list<std::string_view> names, double harmless) const;
 
     struct Known {
         int count = 0;  // definitions

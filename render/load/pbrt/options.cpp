@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/files/unread.h"
 #include "render/load/pbrt/film_camera.h"
 #include "render/scene/check.h"
 
@@ -11,16 +12,9 @@ namespace latent::render {
 
 namespace {
 
-// Options that change no picture of ours.
-constexpr std::string_view kHarmlessOptions[] = {
-    "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats", "rendercoordsys", "seed", "wavefront"};
 // Those that change nothing while they are off.
-constexpr std::string_view kSwitches[] = {"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter",
-                                          "forcediffuse"};
-
-template <std::size_t N>
-bool is_one_of(const std::string_view (&names)[N], const std::string& name) {
-    return std::ranges::find(names, name) != std::end(names);
+bool is_off(const Directive& option) {
+    return option.strings[1] == "false" && (option.strings[0].starts_with("disable") || option.strings[0] == "forcediffuse");
 }
 
 }  // namespace
@@ -42,18 +36,18 @@ bool SceneOptions::apply(const Directive& d, bool in_world, const CurrentTransfo
     } else if (d.name == "Integrator") {
         read_integrator(d.strings[0], ParameterList(d, {}, diagnostics_), use_.replaces_integrator, scene_);
         has_integrator_ = true;
-    } else if (d.name == "Sampler") {
-        diagnostics_.note(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
-    } else if (d.name == "PixelFilter") {
-        diagnostics_.note(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
-    } else if (d.name == "Accelerator") {
-        diagnostics_.note(d.where, "Accelerator is ignored");
-    } else if (is_one_of(kHarmlessOptions, d.strings[0]) || (is_one_of(kSwitches, d.strings[0]) && d.strings[1] == "false")) {
-        diagnostics_.note(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
-    } else if (d.strings[0] == "disabletexturefiltering") {
-        diagnostics_.warn(d.where, "Option \"disabletexturefiltering\" is ignored: textures are filtered");
     } else {
-        diagnostics_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
+        const bool is_option = d.name == "Option";
+        const std::string what = is_option ? fmt::format("Option \"{}\"", d.strings[0]) : d.name;
+        const UnreadFeatures* const unread = find_unread(SceneLanguage::kPbrtV4, d.name, is_option ? d.strings[0] : "");
+        if (is_option && is_off(d)) {
+            diagnostics_.note(d.where, what + " is ignored: it is off");
+        } else if (unread == nullptr) {
+            diagnostics_.error(d.where, what + " is not supported");
+        } else {
+            const std::string place = diagnostics_.place(d.where);
+            diagnostics_.say_of_unread(place + what, place, what + " is ignored", *unread);
+        }
     }
     return true;
 }

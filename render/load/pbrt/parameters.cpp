@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "base/near_names.h"
 #include "base/size.h"
+#include "render/load/files/unread.h"
 
 namespace latent::render {
 
@@ -105,11 +108,25 @@ void ParameterList::ignore(std::initializer_list<std::string_view> names, std::s
 void ParameterList::report_unused() const {
     const std::string what =
         directive_.strings.empty() ? directive_.name : fmt::format("{} \"{}\"", directive_.name, directive_.strings[0]);
+    std::map<const UnreadFeatures*, std::pair<SourceLocation, std::string>> unread;  // the first place, and the names
     each([&](const Parameter& p) {
-        if (!p.used && !p.inherited)
+        if (p.used) return;
+        if (const UnreadFeatures* const known = find_unread(SceneLanguage::kPbrtV4, directive_.name, p.name)) {
+            p.used = true;
+            const bool is_off = p.flags.size() == 1 && !p.flags[0];
+            if (is_off && !known->is_harmless) return;
+            auto& [where, names] = unread.try_emplace(known, p.where, "").first->second;
+            names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", p.name);
+        } else if (!p.inherited) {
             diagnostics_.error(p.where,
                                fmt::format("\"{} {}\" of {} is not supported{}", p.type, p.name, what, near_parameters(p)));
+        }
     });
+    for (const auto& [known, said] : unread) {
+        const std::string place = diagnostics_.place(said.first),
+                          message = fmt::format("{}: ignored: {}", directive_.name, said.second);
+        diagnostics_.say_of_unread(place + message, place, message, *known);
+    }
 }
 
 std::string ParameterList::near_parameters(const Parameter& p) const {

@@ -35,7 +35,8 @@ class ParameterList {
 
     // Parameters that change no sample: named in a note at the first of them.
     void ignore(std::initializer_list<std::string_view> names, std::string_view why) const;
-    // Every parameter that was not read is an error: without it the picture would be wrong, or its name is misspelled.
+    // Those of files/unread.h are named in notes and warnings. Every other parameter that was not read is an error: without it the
+    // picture would be wrong, or its name is misspelled.
     void report_unused() const;
 
     const Directive& directive() const { return directive_; }

@@ -44,7 +44,6 @@ LoadedMesh read_mesh(const ParameterList& list, std::size_t per_face) {
     mesh.indices = read_indices(list, per_face, mesh.positions.size());
     if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) list.error("N: must have as many items as P");
     if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) list.error("uv: must have as many items as P");
-    list.ignore({"faceIndices"}, "only Ptex textures use it");
     return mesh;
 }
 
@@ -93,7 +92,6 @@ void add_patches(const LoadedMesh& mesh, const ShapeDescription& common, std::ve
 void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orientation, const ShapeDescription& common,
               SceneFiles& files, std::vector<LoadedShape>& shapes) {
     const std::optional<std::string> name = list.string("filename");
-    list.ignore({"edgelength"}, "there is no displacement");
     if (!name) return list.error("filename: missing");
     const Result<std::string> bytes = files.read(*name);
     if (!bytes) return list.unreadable(bytes.error());
@@ -136,7 +134,6 @@ void read_curve(const ParameterList& list, const Affined& ctm, bool reverse_orie
     for (std::size_t i = 0; i < n.size(); i += 3) normals.emplace_back(n[i], n[i + 1], n[i + 2]);
     const double both = list.number("width", 1, 0, 1e30);
     const CurveWidth width{list.number("width0", both, 0, 1e30), list.number("width1", both, 0, 1e30)};
-    list.ignore({"splitdepth"}, "curves are not split");
     std::vector<CubicBezier> segments = segments_of(points, degree, basis == "bspline");
     if (segments.empty()) return list.error(fmt::format("P: {} points make no curve of degree {}", points.size(), degree));
     const bool is_ribbon = type == "ribbon";
@@ -214,7 +211,6 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         add_patches(mesh, common, shapes);
     } else if (type == "loopsubdiv") {
         const auto levels = static_cast<std::uint32_t>(list.integer("levels", 3, 0, 14));
-        list.ignore({"scheme"}, "Loop's is the only one");
         if (Result<LoadedMesh> mesh = subdivide(read_mesh(list, 3), levels)) {
             transform(*mesh, ctm, reverse_orientation);
             shapes.push_back({common, std::move(*mesh)});

@@ -256,9 +256,9 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
     } else {
         list.error(
             fmt::format("Texture \"{}\": {} \"{}\" is not supported{} ({}; fbm, wrinkled, windy, latent:...: float only; marble: "
-                        "spectrum only)",
+                        "spectrum only){}",
                         definition.directive.strings[0], definition.directive.strings[1], kind, near_types("Texture", kind),
-                        types_of("Texture")));
+                        types_of("Texture"), why_unread_type("Texture", kind)));
         return texture;
     }
     list.report_unused();
