@@ -197,8 +197,9 @@ Status check_tiff(const std::string& path) {
     if (tiff == nullptr || error) return {};  // which readers refuse
     while (true) {
         std::uint16_t bits = 0;
-        if (TIFFGetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, &bits) == 0)  // one bit, which OpenImageIO takes for eight
-            return damaged("it does not say how many bits a sample has (BitsPerSample)");
+        if (TIFFGetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, &bits) == 0)  // OpenImageIO takes it for eight
+            return Error{ErrorCode::kUnsupported,
+                         "it does not say how many bits a sample has (BitsPerSample), which means 1; convert it to a PNG"};
         const std::uint32_t pieces = TIFFIsTiled(tiff.get()) ? TIFFNumberOfTiles(tiff.get()) : TIFFNumberOfStrips(tiff.get());
         if (pieces > bytes) return cut_off();
         for (std::uint32_t i = 0; i < pieces; ++i) {

@@ -491,6 +491,43 @@ Shape "plymesh" "string filename" "three.ply"
     EXPECT_THAT(message, ::testing::ContainsRegex("room.pbrt:3:1: [^\n]*two.png: cannot be read as a picture"));
 }
 
+// One bit is what TIFF means by that. OpenImageIO would read another picture, of eight.
+TEST_F(TextureTest, ATiffThatDoesNotSayHowManyBitsASampleHasIsRefused) {
+    struct Tag {
+        std::uint16_t tag, type;
+        std::uint32_t value;
+    };
+    const auto tiff = [](bool says_bits) {
+        std::vector<Tag> tags{{256, 3, 16}, {257, 3, 2}, {259, 3, 1}, {262, 3, 1}, {273, 4, 0}, {278, 3, 2}, {279, 4, 4}};
+        if (says_bits) tags.insert(tags.begin() + 2, {258, 3, 1});
+        std::string out("II*\0\x08\0\0\0", 8);
+        const auto add = [&](std::uint32_t x, int bytes) {
+            for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(x >> (8 * i)));
+        };
+        add(static_cast<std::uint32_t>(tags.size()), 2);
+        for (const Tag& t : tags) {
+            add(t.tag, 2), add(t.type, 2), add(1, 4);
+            add(t.tag == 273 ? static_cast<std::uint32_t>(14 + 12 * tags.size()) : t.value, 4);
+        }
+        add(0, 4);
+        return out + "\xF0\x0F\xF0\x0F";
+    };
+    const std::string text =
+        "WorldBegin\nTexture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tif\"\n"
+        "Material \"diffuse\" \"texture reflectance\" \"a\"\nShape \"sphere\"\n";
+    for (const bool says_bits : {true, false}) {
+        folder_.write("a.tif", tiff(says_bits));
+        const Result<LoadedScene> scene = load_scene(folder_.write("room.pbrt", text));
+        ASSERT_TRUE(scene) << scene.error().message;
+        const Result<Textures> textures = Textures::build(scene->description, 1 << 20, library_);
+        EXPECT_EQ(textures.has_value(), says_bits);
+        if (textures) continue;
+        EXPECT_THAT(textures.error().message,
+                    HasSubstr("a.tif: cannot be read as a picture: it does not say how many bits a sample"));
+        EXPECT_THAT(textures.error().message, HasSubstr("which means 1"));
+    }
+}
+
 // Libraries make room before they read: for some of these files, more than 10 GB.
 TEST_F(TextureTest, PicturesThatClaimToBeHugeAreRefusedBeforeThereIsRoomForThem) {
     const auto seed = [](const char* name) {
