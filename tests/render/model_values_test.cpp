@@ -119,6 +119,22 @@ TEST_F(ModelValues, AnEmissionTimesAPictureIsThatOfTheProduct) {
     EXPECT_NEAR(model.area_lights.at(0).mean_luminance / product.mean_luminance, 1, 1e-6);
 }
 
+// The specification asks for normalized integers; who leaves that word out means fractions all the same.
+TEST_F(ModelValues, IntegersThatAreNotNormalizedAreFractionsAsColours) {
+    for (const int component : {5121, 5123}) {
+        Square square;
+        const std::size_t colors = square.file.add_fractions({1, .2, .4, 1, .2, .4, 0, .2, .4, 0, .2, .4}, "VEC3", component);
+        square.attributes()["COLOR_0"] = colors;
+        const SceneDescription normalized = load(square);
+        square.file.json["accessors"][colors].erase("normalized");
+        const Result<LoadedScene> scene = load_scene(folder_.write("a.glb", as_glb(square.file)));
+        ASSERT_TRUE(scene) << scene.error().message;
+        EXPECT_THAT(scene->warnings,
+                    ::testing::ElementsAre(HasSubstr("/attributes/COLOR_0: is of integers that are not normalized")));
+        EXPECT_EQ(content_hash(scene->description), content_hash(normalized)) << component;
+    }
+}
+
 TEST_F(ModelValues, ColoursOfVerticesMultiplyTheBaseColourInEveryNumberType) {
     for (const int component : {5121, 5123, 5126}) {
         for (const bool has_alpha : {false, true}) {

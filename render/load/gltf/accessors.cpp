@@ -180,6 +180,15 @@ std::size_t components_of(const GltfDocument& document, const GltfValue& index) 
     return i ? components_of(document.root()["accessors"][*i]["type"].text()) : 0;
 }
 
+float largest_integer(const GltfDocument& document, const GltfValue& index) {
+    const std::optional<std::uint32_t> i = index.index(document.root()["accessors"]);
+    if (!i) return 1;
+    const GltfValue accessor = document.root()["accessors"][*i];
+    const auto type = static_cast<Component>(accessor["componentType"].count(0));
+    if (accessor["normalized"].flag(false)) return 1;
+    return type == Component::kUint8 ? 255 : type == Component::kUint16 ? 65535 : 1;
+}
+
 bool make_finite(std::vector<float>& numbers, std::size_t components, Finite finite, const GltfValue& place) {
     std::size_t replaced = 0;
     for (std::size_t i = 0; i < numbers.size(); i += components) {

@@ -9,6 +9,8 @@
 
 namespace latent::render {
 
+// The largest of its integers, if they are not normalized; of other numbers, 1.
+float largest_integer(const GltfDocument& document, const GltfValue& index);
 // Whether a number that is not finite is an error. Else its item counts as 0, with a warning.
 enum class Finite : bool { kDesired, kRequired };
 

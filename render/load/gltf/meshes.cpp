@@ -100,6 +100,8 @@ class PrimitiveAttributes {
         if (!make_finite(out, components, finite, id)) return std::nullopt;
         return out;
     }
+    // Of integers that are not normalized; else 1.
+    float largest(const std::string& name) const { return largest_integer(document_, named_[name]); }
     // Three of each triangle, if they are compressed, too.
     const std::vector<std::uint32_t>* packed_indices() const { return unpacked_ ? &unpacked_->indices : nullptr; }
 
@@ -246,7 +248,13 @@ bool read_vertices(const GltfDocument& document, const GltfValue& primitive, con
                         i == 0 ? "each triangle shows one half of their pictures" : "it shows one point of their pictures"));
     }
     const std::size_t components = std::clamp<std::size_t>(attributes.components("COLOR_0"), 3, 4);
-    mesh.colors = colors_of(per_vertex("COLOR_0", components), components);
+    std::vector<float> colors = per_vertex("COLOR_0", components);
+    const float largest = attributes.largest("COLOR_0");
+    if (largest > 1) {
+        attributes["COLOR_0"].warn_of_kind("COLOR_0", "is of integers that are not normalized; they are fractions of the largest");
+        for (float& x : colors) x /= largest;
+    }
+    mesh.colors = colors_of(std::move(colors), components);
     return true;
 }
 
