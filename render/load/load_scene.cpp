@@ -7,6 +7,7 @@
 #include "render/load/gltf/gltf.h"
 #include "render/load/model/append.h"
 #include "render/load/obj/obj.h"
+#include "render/load/obj/statements.h"
 #include "render/load/read_pbrt.h"
 #include "render/load/scene_format.h"
 
@@ -23,6 +24,8 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
     if (bytes->starts_with("version https://git-lfs.github.com/spec/"))
         return Error{ErrorCode::kForeign,
                      path.string() + ": is a Git LFS pointer instead of the model; fetch that with: git lfs pull"};
+    if (format == SceneFormat::kObj && is_utf16(*bytes))
+        return Error{ErrorCode::kForeign, fmt::format("{}: {}", path.string(), kUtf16)};
     if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
         return Error{ErrorCode::kForeign, fmt::format("{}: not a Wavefront OBJ file: {}", path.string(),
                                                       bytes->empty() ? "the file is empty" : "it is binary")};
@@ -30,6 +33,7 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
     SceneFiles files(path);
     Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, options, diagnostics)
                                                        : read_obj(*bytes, path.string(), files, colors, diagnostics);
+    files.tell_of_other_names(path, diagnostics);
     if (!model) return model.error();
     if (!diagnostics.errors().empty())
         return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(diagnostics.errors(), "\n"))};

@@ -44,6 +44,7 @@ class PbrtLoader {
         if (is_v3_) diagnostics_.note(path_.string(), "is a scene for pbrt-v3, and is read as pbrt-v4 would say it");
         if (const Status read = file(path_, 0); !read) return read.error();
         if (!stopped_) builder_.finish(end_);
+        files_.tell_of_other_names(path_, diagnostics_);
         if (!diagnostics_.errors().empty()) return Error{garbled_ ? ErrorCode::kCorrupt : ErrorCode::kUnsupported, errors()};
         model_.shapes = builder_.take_shapes();
         model_.objects = builder_.take_object_shapes();

@@ -162,6 +162,55 @@ TEST_F(Obj, NormalMapsAreReadAlsoWhereTheyAreCalledBumps) {
     EXPECT_EQ(material("bump heights.exr\n").normal_map, kNone);
 }
 
+// Other loaders show nothing, either; here that is said.
+TEST_F(Obj, AnOpacityOfZeroIsSaidUnlessItIsGlass) {
+    testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    const std::string faces = "mtllib m.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (const char* hidden : {"map_Kd a.exr\nd 0\n", "Tr 1\nmap_Kd a.exr\n"}) {
+        folder_.write("m.mtl", std::string("newmtl paint\n") + hidden);
+        EXPECT_THAT(load(faces).warnings, ElementsAre(HasSubstr("m.mtl:1: paint: d is 0 (or Tr is 1)"))) << hidden;
+    }
+    for (const char* seen : {"map_Kd a.exr\nd 1\n", "map_Kd a.exr\nd .1\n", "d 0\n"}) {
+        folder_.write("m.mtl", std::string("newmtl paint\n") + seen);
+        EXPECT_THAT(load(faces).warnings, IsEmpty()) << seen;
+    }
+}
+
+TEST_F(Obj, Utf16IsCalledByItsName) {
+    const auto utf16 = [](const std::string& text, bool big_endian) {
+        std::string out = big_endian ? "\xFE\xFF" : "\xFF\xFE";
+        for (const char c : text) out += big_endian ? std::string{'\0', c} : std::string{c, '\0'};
+        return out;
+    };
+    const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (const bool big_endian : {false, true}) {
+        const Result<LoadedScene> scene = load_scene(folder_.write("m.obj", utf16(faces, big_endian)));
+        ASSERT_FALSE(scene);
+        EXPECT_THAT(scene.error().message, HasSubstr("m.obj: is UTF-16; only UTF-8 is read (iconv"));
+        folder_.write("m.mtl", utf16("newmtl m\nKd 1 0 0\n", big_endian));
+        EXPECT_THAT(load("mtllib m.mtl\n" + faces).warnings,
+                    ElementsAre(AllOf(HasSubstr("m.obj:1: mtllib: m.mtl: is UTF-16"), HasSubstr("grey"))));
+    }
+}
+
+// Where there are two, neither is meant.
+TEST_F(Obj, NamesThatDifferInCaseAloneAreFoundWithANote) {
+    std::filesystem::create_directory(folder_ / "Textures");
+    testing::write_exr(folder_ / "Textures/Wood.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    folder_.write("m.mtl", "newmtl m\nmap_Kd textures\\WOOD.EXR\n");
+    const std::string faces = "mtllib M.MTL\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const LoadedScene scene = load(faces);
+    EXPECT_THAT(scene.warnings, IsEmpty());
+    EXPECT_THAT(scene.notes, ElementsAre(AllOf(HasSubstr("m.obj: \"M.MTL\" is read from "), HasSubstr("/m.mtl: ")),
+                                         AllOf(HasSubstr("WOOD.EXR\" is read from "), HasSubstr("/Textures/Wood.exr: "))));
+    EXPECT_TRUE(scene.description.materials.at(1).spectra.at("reflectance").is_textured());
+
+    testing::write_exr(folder_ / "Textures/wood.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    EXPECT_THAT(load(faces).warnings, ElementsAre(HasSubstr("WOOD.EXR: cannot be opened")));
+    std::filesystem::remove(folder_ / "Textures/Wood.exr");
+    EXPECT_THAT(load(faces).warnings, IsEmpty());
+}
+
 // Whatever a scene names, a message does not say what stands in a file that is something else.
 TEST_F(Obj, FilesThatAreSomethingElseAreNotQuoted) {
     const std::string secret = "root:x:0:0:root:/root:/bin/bash\nsecond:y:1:1\n";

@@ -68,12 +68,48 @@ Result<Hash128> hash_of(const std::filesystem::path& path) {
 
 }  // namespace
 
+namespace {
+
+std::string lower_case(std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+}
+
+// `path`, or the only one that exists and differs from it in upper and lower case alone, from `known` on.
+std::filesystem::path in_any_case(const std::filesystem::path& known, const std::filesystem::path& path) {
+    std::error_code unknown;
+    std::filesystem::path at = known;
+    for (const std::filesystem::path& part : path) {
+        if (std::filesystem::exists(at / part, unknown)) {
+            at /= part;
+            continue;
+        }
+        std::vector<std::filesystem::path> found;
+        for (const auto& entry : std::filesystem::directory_iterator(at.empty() ? "." : at, unknown)) {
+            if (lower_case(entry.path().filename().string()) == lower_case(part.string())) found.push_back(entry.path().filename());
+        }
+        if (found.size() != 1) return known / path;
+        at /= found[0];
+    }
+    return at;
+}
+
+}  // namespace
+
 std::filesystem::path SceneFiles::resolve(const std::string& name) const {
     std::error_code unknown;
-    if (name.find('\\') == name.npos || std::filesystem::exists(folder_ / name, unknown)) return folder_ / name;
+    if (std::filesystem::exists(folder_ / name, unknown)) return folder_ / name;
     std::string with_slashes = name;
     std::ranges::replace(with_slashes, '\\', '/');
-    return folder_ / with_slashes;
+    const std::filesystem::path given = folder_ / with_slashes, found = in_any_case(folder_, with_slashes);
+    if (found != given) other_names_.emplace(name, found);
+    return found;
+}
+
+void SceneFiles::tell_of_other_names(const std::filesystem::path& scene, Diagnostics& diagnostics) const {
+    for (const auto& [name, path] : other_names_)
+        diagnostics.note(scene.string(),
+                         fmt::format("\"{}\" is read from {}: only upper and lower case differ", name, path.string()));
 }
 
 Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {

@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "base/result.h"
+#include "render/load/files/diagnostics.h"
 
 namespace latent::render {
 
@@ -17,8 +18,11 @@ class SceneFiles {
     // Names in a scene are relative to the folder of its first file.
     explicit SceneFiles(const std::filesystem::path& scene) : folder_(scene.parent_path()) {}
 
-    // Backslashes, as exporters on Windows write, are slashes unless there is a file of that very name.
+    // Backslashes, as exporters on Windows write, are slashes unless there is a file of that very name. Where there is none, one
+    // whose name differs in upper and lower case alone is meant, if there is exactly one.
     std::filesystem::path resolve(const std::string& name) const;
+    // A note on each of those, about the scene.
+    void tell_of_other_names(const std::filesystem::path& scene, Diagnostics& diagnostics) const;
     // The whole content of a regular file, unpacked if it is gzip's, without a byte order mark. Errors name the file.
     static Result<std::string> read_text(const std::filesystem::path& path);
     // The same of a file that the scene names.
@@ -34,7 +38,8 @@ class SceneFiles {
     std::filesystem::path folder_;
     std::set<std::filesystem::path> included_;
     std::map<std::filesystem::path, Result<Hash128>> hashes_;
-    std::uint64_t distinct_bytes_ = 0, included_bytes_ = 0;  // in these files; in all inclusions
+    mutable std::map<std::string, std::filesystem::path> other_names_;  // by the name in the scene
+    std::uint64_t distinct_bytes_ = 0, included_bytes_ = 0;             // in these files; in all inclusions
 };
 
 }  // namespace latent::render

@@ -105,6 +105,10 @@ class Describer {
         describe_surface(b, out.surface);
         out.surface.name = b.name;
         if (!is_glass(b)) out.alpha = values_.number(b.picture("map_d"), b.channel("map_d"), b.opacity);
+        if (!is_glass(b) && b.opacity == 0)
+            target_.diagnostics.warn_of_kind(
+                "d 0", b.place,
+                fmt::format("{}: d is 0 (or Tr is 1), so that nothing of it is seen; delete that line to see it", b.name));
         describe_relief(b, out.surface);
         const bool is_mapped = b.maps.contains("map_Ke");
         const LinearRgb ke = b.ke.value_or(is_mapped ? LinearRgb{1, 1, 1} : LinearRgb{0, 0, 0});

@@ -196,7 +196,8 @@ class ObjReader {
                 statements_.warn(fmt::format("mtllib: {}; its materials are grey", text.error().message));
                 is_complete_ = false;
             } else if (!read_mtl(*text, name, mtl_, more)) {
-                statements_.warn(fmt::format("mtllib: {}: is not an MTL file; its materials are grey", name));
+                statements_.warn(
+                    fmt::format("mtllib: {}: {}; its materials are grey", name, is_utf16(*text) ? kUtf16 : "is not an MTL file"));
                 is_complete_ = false;
             }
             read.merge(more);

@@ -23,6 +23,8 @@ std::string_view take_line(std::string_view& text) {
 
 }  // namespace
 
+bool is_utf16(std::string_view text) { return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"); }
+
 bool Statements::next() {
     while (!text_.empty()) {
         line_ = next_line_++;

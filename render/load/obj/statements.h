@@ -11,6 +11,10 @@
 
 namespace latent::render {
 
+// Whether a text is UTF-16, as some editors write it; the mark at its beginning says so.
+bool is_utf16(std::string_view text);
+inline constexpr std::string_view kUtf16 = "is UTF-16; only UTF-8 is read (iconv -f UTF-16 -t UTF-8 OLD > NEW)";
+
 // Goes through a text, which outlives it. Lines end as on any system. Comments and empty lines are passed over; a backslash joins a
 // line with the next.
 class Statements {
