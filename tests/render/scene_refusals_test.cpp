@@ -294,7 +294,9 @@ TEST(SceneRefusals, WhatIsNotReadIsListedAndNamed) {
         for (std::string word; words >> word;) {
             SCOPED_TRACE(kind + " " + word);
             const auto pbrt = [&](const std::string& text) { EXPECT_THAT(said("a.pbrt", text, of.is_harmless), HasSubstr(why)); };
-            const std::string value = fmt::format(" \"{} {}\" true\n", "bool", word);
+            const std::string value = word == "sensor" ? " \"string sensor\" \"x\"\n"
+                                      : word == "iso"  ? " \"float iso\" 1\n"
+                                                       : " \"bool " + word + "\" true\n";
             if (of.language == SceneLanguage::kGltf && kind == "extensions") {
                 const std::string text =
                     R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36, "uri": "data:;base64,)" + std::string(48, 'A') +
@@ -440,8 +442,8 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Film \"spectral\"", "", "1:1: Film \"spectral\" is ignored"},
              Case{"Film \"gbuffer\"", "", "1:1: Film \"gbuffer\" is ignored"},
              Case{"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "",
-                  "1:12: Film: ignored: \"sensor\": choose one with latent-develop"},
-             Case{"Film \"rgb\" \"float iso\" 200", "", "1:12: Film: ignored: \"iso\": set the exposure"},
+                  "1:1: Film: ignored: \"sensor\": choose one with latent-develop"},
+             Case{"Film \"rgb\" \"float iso\" 200", "", "1:1: Film: ignored: \"iso\": set the exposure"},
              Case{"Film \"rgb\" \"bool savefp16\" false \"string filename\" \"x.exr\"", "",
                   "1:12: Film: ignored: \"savefp16\", \"filename\""},
              Case{"Film \"rgb\"\n \"float cropwindow\" [ 0 .5 0 1 ]", "", "2:2: Film: ignored: \"cropwindow\""},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/files/unread.h"
 #include "render/load/pbrt/features.h"
 
 namespace latent::render {
@@ -19,6 +20,11 @@ FilmDescription read_film(const std::string& type, const ParameterList& list) {
     } else if (type != "rgb") {
         list.error(unsupported("Film", type));
     }
+    const auto ignored = [](const char* name) {
+        return fmt::format("Film: ignored: \"{}\"{}", name, why_unread(SceneLanguage::kPbrtV4, "Film", name));
+    };
+    if (list.string("sensor").value_or("cie1931") != "cie1931") list.note(ignored("sensor"));
+    if (list.number("iso", 100) != 100) list.note(ignored("iso"));
     list.report_unused();
     return film;
 }
