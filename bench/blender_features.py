@@ -514,6 +514,16 @@ def principled_coat():
 
 
 @feature(5, kind="ball")
+def principled_anisotropic():
+    on_show(principled(Base_Color=(0.9, 0.6, 0.3, 1), Metallic=1.0, Roughness=0.4, Anisotropic=0.8)[0])
+
+
+@feature(2, "the reflectance of the weaker colours rises towards the rim", kind="ball")
+def glossy_anisotropic():
+    on_show(material("BsdfGlossy" if NEW else "BsdfAnisotropic", Color=(0.9, 0.6, 0.3, 1), Roughness=0.4, Anisotropy=0.6)[0])
+
+
+@feature(5, kind="ball")
 def principled_glass():
     on_show(principled(Base_Color=(1, 1, 1, 1), Transmission=1.0, Roughness=0.0, IOR=1.45)[0])
 

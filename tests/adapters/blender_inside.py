@@ -89,9 +89,9 @@ depth = engine.job.Job(str(folder / "job"), "Scene-0001").develop(None, "", [], 
 # Within half a pixel: at the border, the mean is not that of the middle.
 check("the depth of a floor is its distance along the axis", depth.shape == (30, 40) and np.allclose(depth, 5, rtol=3e-3), depth.min(), depth.max())
 first = engine.last["samples"]
-check("the same scene renders nothing again", "same job" in render() and engine.last["samples"] == first)
+check("the same scene renders nothing again", render() == "same job: all of its samples are there" and engine.last["samples"] == first, engine.last)
 settings.samples = 24
-check("more samples extend the job", "same job" in render() and engine.last["samples"] == first and count() == 24 * 1200, engine.last)
+check("more samples extend the job", render() == "same job: missing samples are added" and engine.last["samples"] == first and count() == 24 * 1200, engine.last)
 sun.data.color = (1, 0.2, 0.1)
 word = render()
 check("another colour of a lamp is a new job, with a word about it", "new job: lamp Sun changed" in word and engine.last["samples"] != first and pathlib.Path(first).exists(), word)
@@ -137,6 +137,68 @@ bpy.ops.latent.bake()
 render()
 check("and can be baked", engine.last["lost"] == [] and np.ptp(picture()) > 2 * np.ptp(before), engine.last["lost"], np.ptp(before), np.ptp(picture()))
 tree.nodes.remove(noise)
+
+# What a camera ray alone would see is listed, and the rest lights the scene.
+world_tree = world.node_tree
+mixed, path, dark = (world_tree.nodes.new(f"ShaderNode{name}") for name in ("MixShader", "LightPath", "Background"))
+dark.inputs["Color"].default_value = (1, 0, 0, 1)
+sky = world_tree.nodes["Background"]
+world_tree.links.new(path.outputs["Is Camera Ray"], mixed.inputs[0])
+world_tree.links.new(sky.outputs[0], mixed.inputs[1])
+world_tree.links.new(dark.outputs[0], mixed.inputs[2])
+world_end = world_tree.nodes["World Output"].inputs["Surface"]
+world_tree.links.new(mixed.outputs[0], world_end)
+render()
+check("the world lights as without a camera ray", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), picture().mean((0, 1)))
+check("and the other branch is listed", any("Light Path" in line for line in engine.last["lost"]), engine.last["lost"])
+math_node = world_tree.nodes.new("ShaderNodeMath")
+math_node.operation = "MAXIMUM"
+math_node.inputs[1].default_value = 0
+world_tree.links.new(path.outputs["Is Camera Ray"], math_node.inputs[0])
+world_tree.links.new(math_node.outputs[0], mixed.inputs[0])
+render()
+check("also where Cycles bakes it", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), picture().mean((0, 1)))
+world_tree.links.new(sky.outputs[0], world_end)
+world_tree.nodes.remove(path)
+
+# What is no number is left out by name; what changes its shape or does not move by request, too.
+bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, 1))
+broken = bpy.context.object
+broken.name = "Broken"
+broken.data.vertices[0].co.x = float("nan")
+broken.data.update()
+scene.cycles.film_exposure = 2.0
+render()
+said = engine.last["lost"]
+check("a mesh of no numbers is left out by name", any("object Broken" in line for line in said) and np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), said)
+check("the exposure of the film is listed", any("exposure" in line for line in said), said)
+bpy.data.objects.remove(broken)
+scene.cycles.film_exposure = 1.0
+bpy.ops.mesh.primitive_cube_add(size=1, location=(100, 0, 1))
+cube = bpy.context.object
+cube.shape_key_add(name="Basis")
+swollen = cube.shape_key_add(name="Swollen")
+swollen.data[0].co.x = -9
+for frame, value in ((0, 0.0), (2, 1.0)):
+    swollen.value = value
+    swollen.keyframe_insert("value", frame=frame)
+    cube.location.x = 100 + value
+    cube.keyframe_insert("location", frame=frame)
+scene.render.use_motion_blur, scene.cycles.rolling_shutter_type, cube.cycles.use_motion_blur = True, "TOP", False
+render()
+said, text = engine.last["lost"], (folder / "job/scene.pbrt").read_text()
+check("deformation and a rolling shutter are listed", any("Cube: its deformation" in line for line in said) and any(line.startswith("shutter") for line in said), said)
+check("an object without motion blur stands still", "ActiveTransform" not in text)
+cube.cycles.use_motion_blur = True
+render()
+check("others move", "ActiveTransform" in (folder / "job/scene.pbrt").read_text())
+scene.render.use_motion_blur, scene.cycles.rolling_shutter_type = False, "NONE"
+bpy.data.objects.remove(cube)
+tree.nodes.remove(output)
+render()
+check("a material without an output is black", picture().max() == 0, picture().max())
+output = tree.nodes.new("ShaderNodeOutputMaterial")
+tree.links.new(matt.outputs[0], output.inputs["Surface"])
 
 # The darkroom: without the sun, only the sky is left; twice the sky is twice as bright.
 render()

@@ -160,11 +160,11 @@ class Settings:
 
 
 class Jobs(unittest.TestCase):
-    def begin(self, folder, text, parts, words=()):
+    def begin(self, folder, text, parts, words=(), wanted=64):
         document = pbrt.Document()
         document.body = [text]
         mine = job.Job(folder, "frame")
-        return mine, mine.begin(document.write(f"{folder}/scene.pbrt"), job.options(Settings, None, False) + list(words), parts, None)
+        return mine, mine.begin(document.write(f"{folder}/scene.pbrt"), job.options(Settings, None, False) + list(words), parts, None, wanted)
 
     def test_what_changed_is_said_and_earlier_samples_are_kept_until_they_are_removed(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -15,6 +15,11 @@ def bake_world(job):
     with bpy.data.libraries.load(job["library"]) as (there, here):
         here.worlds = [job["world"]]
     scene = bpy.context.scene
+    for tree in (here.worlds[0].node_tree, *bpy.data.node_groups):  # what lights the scene, not what the camera sees
+        for link in [link for link in tree.links if link.from_node.type == "LIGHT_PATH"]:
+            target = link.to_socket
+            tree.links.remove(link)
+            target.default_value = 0
     for thing in list(scene.objects):
         bpy.data.objects.remove(thing)
     scene.world = here.worlds[0]

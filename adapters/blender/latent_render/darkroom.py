@@ -3,6 +3,7 @@ import atexit
 import os
 import subprocess
 import webbrowser
+from concurrent import futures
 
 import bpy
 import numpy as np
@@ -30,7 +31,7 @@ def follow(_, context):
     settings = context.scene.latent.darkroom
     if IMAGE in bpy.data.images and settings.adds_up:
         try:
-            show(settings, picture(context)[0])
+            show(settings, picture(context)()[0])
         except (tools.Failure, OSError, ValueError):
             pass  # Develop says why
 
@@ -96,10 +97,12 @@ def job_of(context):
 
 
 def picture(context, program=None):
-    """What the panel asks for, before lights are mixed: its channels and its path. Without a program, only if it need not be developed."""
+    """A function that makes what the panel asks for, before lights are mixed: its channels and its path. It needs no Blender, and ends early if
+    what it is given says so. Without a program, it fails if the picture is not there yet."""
     settings, last = context.scene.latent.darkroom, job_of(context)
     layers = ["lights"] if settings.adds_up and last.has_lights else []
-    return last.develop(program, os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"]), layers)
+    path, words = os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"])
+    return lambda stop=lambda: False: last.develop(program, path, words, layers, stop)
 
 
 def show(settings, channels):
@@ -113,6 +116,16 @@ def show(settings, channels):
         image = bpy.data.images.new(IMAGE, width, height, float_buffer=True)
     image.pixels.foreach_set(np.ascontiguousarray(engine.with_alpha(pixels)[::-1], np.float32).ravel())
     image.update()
+    return image
+
+
+def put_up(image):
+    """Shows an image in an editor of images, as F12 shows its picture."""
+    editors = lambda: [area for window in bpy.context.window_manager.windows for area in window.screen.areas if area.type == "IMAGE_EDITOR"]  # noqa: E731
+    if not bpy.app.background and not editors():
+        bpy.ops.render.view_show("INVOKE_DEFAULT")
+    for area in editors()[:1]:
+        area.spaces.active.image = image
 
 
 class Operator:
@@ -120,9 +133,12 @@ class Operator:
         try:
             self.run(context)
         except (tools.Failure, OSError, ValueError) as failure:
-            self.report({"ERROR"}, f"Latent: {failure}")
-            return {"CANCELLED"}
+            return self.failed(failure)
         return {"FINISHED"}
+
+    def failed(self, failure):
+        self.report({"ERROR"}, f"Latent: {failure}")
+        return {"CANCELLED"}
 
 
 class LATENT_OT_develop(Operator, bpy.types.Operator):
@@ -130,21 +146,69 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
 
     bl_idname, bl_label = "latent.develop", "Develop"
 
-    def run(self, context):
+    running = False
+
+    @classmethod
+    def poll(cls, _):
+        return not LATENT_OT_develop.running
+
+    def work(self, context):
+        """A function that needs no Blender: develops, and prints what a camera or a film has seen."""
+        settings, make = context.scene.latent.darkroom, picture(context, engine.program("latent-develop"))
+        if not settings.printed:
+            return make
+        words = ["--paper", settings.paper] if settings.film and settings.paper else []
+        words += ["--force", "--quiet", "--json", "--stops", f"{settings.stops:.6g}"]
+        convert = engine.program("latent-convert")
+
+        def develop_and_print(stop):
+            channels, path = make(stop)
+            tools.run([convert, path, "-o", os.path.splitext(path)[0] + ".png", *words])
+            return channels, path
+
+        return develop_and_print
+
+    def finish(self, context, channels, path):
         settings = context.scene.latent.darkroom
-        channels, path = picture(context, engine.program("latent-develop"))
         if settings.adds_up:
             settings.list_lights(develop.lights(channels))
-        if not settings.printed:
-            return show(settings, channels)
-        printed = os.path.splitext(path)[0] + ".png"
-        words = ["--paper", settings.paper] if settings.film and settings.paper else []
-        tools.run([engine.program("latent-convert"), path, "-o", printed, "--force", "--quiet", "--json", "--stops", f"{settings.stops:.6g}", *words])
-        image = bpy.data.images.get(IMAGE)
-        if image is not None:
-            bpy.data.images.remove(image)
-        image = bpy.data.images.load(printed)
-        image.name = IMAGE
+        if settings.printed:
+            if IMAGE in bpy.data.images:
+                bpy.data.images.remove(bpy.data.images[IMAGE])
+            image = bpy.data.images.load(os.path.splitext(path)[0] + ".png")
+            image.name = IMAGE
+        else:
+            image = show(settings, channels)
+        put_up(image)
+
+    def run(self, context):
+        self.finish(context, *self.work(context)(lambda: False))
+
+    # From the panel, Blender goes on meanwhile. Esc stops.
+    def invoke(self, context, _):
+        try:
+            work = self.work(context)
+        except (tools.Failure, OSError, ValueError) as failure:
+            return self.failed(failure)
+        LATENT_OT_develop.running, self.stopped = True, False
+        self.result = futures.ThreadPoolExecutor(1).submit(work, lambda: self.stopped)
+        self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set("Latent: developing; Esc stops")
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        self.stopped |= event.type == "ESC"
+        if not self.result.done():
+            return {"PASS_THROUGH"}
+        LATENT_OT_develop.running = False
+        context.window_manager.event_timer_remove(self.timer)
+        context.workspace.status_text_set(None)
+        try:
+            self.finish(context, *self.result.result())
+        except (tools.Failure, OSError, ValueError) as failure:
+            return self.failed(failure)
+        return {"FINISHED"}
 
 
 class LATENT_OT_darkroom(Operator, bpy.types.Operator):

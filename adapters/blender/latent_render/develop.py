@@ -23,9 +23,11 @@ def rgb(channels, prefix=""):
     return np.tensordot(of_pass(channels, [prefix + name for name in "RGB"]), RGB_FROM_XYZ.T, 1)
 
 
-def develop(program, samples, picture, words=()):
+def develop(program, samples, picture, words=(), stop=lambda: False):
     """Channels of the picture."""
-    tools.run([program, samples, "-o", picture, "--force", "--json", "--quiet", *words])
+    report, _ = tools.run([program, samples, "-o", picture, "--force", "--json", "--quiet", *words], stop=stop)
+    if report is None:
+        raise tools.Failure("stopped")
     return exr.read(picture)
 
 

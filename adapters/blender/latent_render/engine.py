@@ -75,7 +75,7 @@ class LatentEngine(bpy.types.RenderEngine):
             planned.append((exported.path, words))
             return self.fill(scene, layer, {})
         mine = job.Job(folder, name_of(scene, layer))
-        word = mine.begin(exported.digest, words, exported.parts, exported.aperture)
+        word = mine.begin(exported.digest, words, exported.parts, exported.aperture, settings.samples)
         last.update(word=word, lost=exported.lost, samples=mine.samples, wanted=exported.wanted, seconds={"export": time.monotonic() - begin})
         print(f"Latent: {word}")
         for line in exported.lost:
@@ -87,6 +87,8 @@ class LatentEngine(bpy.types.RenderEngine):
         command = [render, exported.path, "-o", mine.samples, "--spp", settings.samples, "--checkpoint", "5s", "--json", *words]
         report, warnings = tools.run(command, lambda share: self.progress(share, word), self.stopped)
         print("\n".join(warnings))
+        if report is not None:
+            mine.finish(settings.samples)
         last["seconds"]["render"] = time.monotonic() - begin
         begin = time.monotonic()
         self.say("developing")

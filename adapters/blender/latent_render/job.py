@@ -29,19 +29,27 @@ class Job:
         self.note = read(self.path)
         self.samples = os.path.join(folder, f"{name}-{self.note['key']}.latent") if self.note else ""
 
-    def begin(self, digest, words, parts, aperture):
-        """Takes the place of the last job. Returns what will happen: a line for the user."""
+    def begin(self, digest, words, parts, aperture, wanted):
+        """Takes the place of the last job. `wanted`: samples per pixel. Returns what will happen: a line for the user."""
         digest = digest.copy()
         digest.update("\0".join(words).encode())
         last, key, parts = self.note, digest.hexdigest()[:12], {**parts, "options": " ".join(words)}
         self.samples = os.path.join(os.path.dirname(self.path), f"{self.name}-{key}.latent")
         there = os.path.exists(self.samples)
-        self.keep(key=key, parts=parts, aperture=aperture)
+        done = (last or {}).get("done", {})  # samples per pixel, by key
+        self.keep(key=key, parts=parts, aperture=aperture, done=done)
         if not last or last["key"] == key:
+            if there and done.get(key, 0) >= wanted:
+                return "same job: all of its samples are there"
             return "same job: missing samples are added" if there else "same job: it resumes" if last else "new job"
         changed = [name for name in {**last["parts"], **parts} if last["parts"].get(name) != parts.get(name)]
         reason = ", ".join(changed[:4]) + (f" and {len(changed) - 4} more" if len(changed) > 4 else "") or "what the scene consists of"
-        return f"back to an earlier job, which continues ({reason} changed)" if there else f"new job: {reason} changed; the samples of the last one are kept"
+        return f"back to an earlier job: {reason} changed" if there else f"new job: {reason} changed; the samples of the last one are kept"
+
+    def finish(self, samples):
+        """So many per pixel are there."""
+        done = self.note["done"]
+        self.keep(done={**done, self.note["key"]: max(samples, done.get(self.note["key"], 0))})
 
     def keep(self, **facts):
         self.note = {**(self.note or {}), **facts}
@@ -59,7 +67,7 @@ class Job:
         """Whether the light of each lamp is kept apart."""
         return "--light-groups" in self.note["parts"]["options"].split()
 
-    def develop(self, program, picture, words, layers=()):
+    def develop(self, program, picture, words, layers=(), stop=lambda: False):
         """A picture by these options: its channels, and where it is. It is developed into `picture` unless F12 or the darkroom has done so."""
         key, known = [*words, *(f"{path} {os.stat(path).st_mtime_ns}" for path in self.files)], self.note.get("developed", {})
         for path, (of, has) in known.items():
@@ -67,7 +75,7 @@ class Job:
                 return exr.read(path), path
         if program is None:
             raise tools.Failure("this picture is not there yet")
-        channels = develop.develop(program, self.samples, picture, [*words, *(["--layers", ",".join(layers)] if layers else [])])
+        channels = develop.develop(program, self.samples, picture, [*words, *(["--layers", ",".join(layers)] if layers else [])], stop)
         self.keep(developed={**known, picture: (key, list(layers))})
         return channels, picture
 

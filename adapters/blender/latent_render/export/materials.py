@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from . import spectra, volumes
-from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, each, is_constant, mix, parameter, product
+from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, default, each, is_constant, mix, parameter, product
 from .pbrt import directive
 from .pictures import Places
 
@@ -31,6 +31,7 @@ class Exported:
     places: Places
 
 
+RADIAL = ("radial", "Z")  # Cycles' tangent, unless a node gives one
 MATT_BLACK = ("diffuse", {"rgb reflectance": [0.0, 0.0, 0.0]})
 DEFAULT = ("diffuse", {"rgb reflectance": [0.8, 0.8, 0.8]})
 
@@ -55,7 +56,28 @@ class Reader:
     def set(self, name, kind, value):
         return parameter(self.document, name, kind, value)
 
+    def constants(self, node, name):
+        """Three numbers, where Latent takes no texture."""
+        value = self.value(node, name)
+        if not is_constant(value):
+            self.graph.lost(f"the texture of {name} is replaced by its default")
+            value = default(self.graph.input(node, name))
+        return value
+
     # What is added to a material of any type.
+    def stretched(self, node, along, across, turns):
+        """Parameters of a roughness (alpha) along the tangent and across it, turned by an input in turns."""
+        self.graph.places.direction = self.graph.follow(node.inputs["Tangent"], self.tangent, lambda _: RADIAL)
+        low, high = min(along, across), max(along, across)
+        return {"float roughness": math.sqrt(low), "float anisotropy": math.sqrt(min(1.0, (high - low) / max(1e-6, 1 - low))),
+                "float anisotropyrotation": 360.0 * self.number(node, turns) + (0.0 if along == high else 90.0)}
+
+    def tangent(self, node, _):
+        if node.type != "TANGENT":
+            self.graph.lost(f"the tangent of {node.bl_label} is radial")
+            return RADIAL
+        return ("uv", node.uv_map) if node.direction_type == "UV_MAP" else ("radial", node.axis)
+
     def relief(self, node, *names):
         """Parameters of a bump or normal map."""
         socket = self.graph.input(node, *(names or ("Normal",)))
@@ -99,19 +121,28 @@ def roughness(reader, node):
 
 def glossy(reader, node):
     """Cycles' Glossy BSDF is a mirror of its colour at every angle, which a surface of a very high index comes close to. Only for a metal
-    of the panel, or with a direction, it is a metal."""
-    rough, color = roughness(reader, node), reader.value(node, "Color")
+    of the panel, it is a metal."""
+    rough, color = roughness(reader, node), reader.value(node, "Color", "Base Color")
+    if color is None:  # a Metallic BSDF by n and k
+        color = each(lambda n, k: ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), *(reader.constants(node, name) for name in ("IOR", "Extinction")))
+    if node.type == "BSDF_METALLIC":
+        reader.graph.lost("a Metallic BSDF has its colour at every angle")
     metal = spectra.metal(reader.settings)
     anisotropy = reader.number(node, "Anisotropy") if "Anisotropy" in node.inputs else 0.0
-    if (metal or anisotropy) and is_constant(rough):
-        alpha, squeeze = rough.number() ** 2, min(0.99, abs(anisotropy))
-        look = metal or reader.set("reflectance", "spectrum", color)
-        return Surface(("conductor", {**look, "float uroughness": alpha / (1 - squeeze), "float vroughness": alpha / (1 + squeeze), "bool remaproughness": False, **reader.relief(node)}))
+    look = reader.set("roughness", "float", rough)
+    if anisotropy and is_constant(rough):
+        squeeze = 1 - min(0.99, abs(anisotropy))
+        along, across = (rough.number() ** 2 * share for share in ((squeeze, 1 / squeeze) if anisotropy > 0 else (1 / squeeze, squeeze)))
+        look = reader.stretched(node, along, across, "Rotation")
+    if metal and is_constant(rough):
+        if anisotropy:
+            reader.graph.lost("the roughness of a measured metal has no direction")
+        return Surface(("conductor", {**metal, "float roughness": rough.number() ** 2, "bool remaproughness": False, **reader.relief(node)}))
     most = min(1.0, max(color.rgb)) if is_constant(color) else 1.0
     if is_constant(color) and most > 0:
         color = each(lambda c: c / most, color)
     return Surface(("latent:principled", {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most,
-                                          **reader.set("specularcolor", "spectrum", color), **reader.set("roughness", "float", rough), **reader.relief(node)}))
+                                          **reader.set("specularcolor", "spectrum", color), **look, **reader.relief(node)}))
 
 
 def glass(reader, node):
@@ -185,6 +216,8 @@ def principled(reader, node):
         graph.lost("the roughness of glass is a constant")
         parameters.pop("texture roughness")
         parameters["float roughness"] = 0.0
+    if passes and (graph.input(node, "Transmission Roughness") and number("Transmission Roughness") > 0):
+        graph.lost("what passes through is as rough as what is reflected")
     ior, level = number("IOR"), number("Specular IOR Level", "Specular")
     f0 = min(0.99, ((ior - 1) / (ior + 1)) ** 2 * 2 * level if is_new else 0.08 * level)
     root = math.sqrt(max(f0, 0.0))
@@ -201,10 +234,7 @@ def principled(reader, node):
     anisotropy = number("Anisotropic")
     if anisotropy > 0 and "float roughness" in parameters:
         alpha, aspect = parameters["float roughness"] ** 2, math.sqrt(1 - 0.9 * min(1.0, anisotropy))
-        along, across = alpha / aspect, alpha * aspect  # the tangent, and across it
-        parameters["float roughness"] = math.sqrt(across)
-        parameters["float anisotropy"] = math.sqrt(min(1.0, max(0.0, (along - across) / max(1e-6, 1 - across))))
-        parameters["float anisotropyrotation"] = 360.0 * number("Anisotropic Rotation")
+        parameters |= reader.stretched(node, alpha / aspect, alpha * aspect, "Anisotropic Rotation")
     sheen = number("Sheen Weight", "Sheen")
     if sheen > 0:
         if is_new:
@@ -365,7 +395,8 @@ def export(document, material, report, files, light_name):
     graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files, material)
     reader = Reader(document, graph, material.latent)
     output = graph.output("OUTPUT_MATERIAL")
-    surface = reader.shader(output.inputs["Surface"]) if output else Surface(DEFAULT)
+    surface = reader.shader(output.inputs["Surface"]) if output else Surface()
+    places.settle(graph.lost)
     if output and output.inputs["Displacement"].is_linked:
         graph.lost("displacement is left out; use a modifier, or a Bump node")
     medium = volumes.medium(document, output, graph) if output else None

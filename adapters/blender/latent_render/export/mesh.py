@@ -61,10 +61,29 @@ class Corners:
         low = np.array(self.mesh.texspace_location) - np.array(self.mesh.texspace_size)
         return (self.positions - low) / np.maximum(2 * np.array(self.mesh.texspace_size), 1e-9)
 
+    def radial(self, axis, lost):
+        """Of each corner: turns about the axis through the middle, and the height or, where a face lies across the axis, the distance.
+        The turns of a face do not jump, and those of a corner on the axis are those of its face."""
+        mesh = self.mesh
+        middle, roll = np.array(mesh.texspace_location), 2 - "XYZ".index(axis)
+        turned = lambda points: np.roll(points, roll, 1)  # noqa: E731
+        of_face = np.repeat(np.arange(len(mesh.polygons)), read(mesh.polygons, "loop_total", 1, np.int32))
+        at = turned((self.positions - middle) / np.maximum(np.array(mesh.texspace_size), 1e-9))[read(mesh.loops, "vertex_index", 1, np.int32)]
+        faces = turned((read(mesh.polygons, "center", 3) - middle) / np.maximum(np.array(mesh.texspace_size), 1e-9))[of_face]
+        turns = np.arctan2(faces[:, 1], faces[:, 0]) / (2 * np.pi)
+        distance = np.hypot(at[:, 0], at[:, 1])
+        ahead = np.where(distance > 1e-4, (np.arctan2(at[:, 1], at[:, 0]) / (2 * np.pi) - turns + 0.5) % 1 - 0.5, 0)
+        if (abs(ahead) > 0.25).any():
+            lost("the radial direction of its gloss needs smaller faces around the axis")
+        across = abs(turned(read(mesh.polygons, "normal", 3))[of_face, 2]) > 0.7
+        return np.c_[turns + ahead, np.where(across, distance, at[:, 2])].astype(np.float32)
+
     def place(self, places, lost):
         """Texture coordinates as `places` asks: (values, whether they belong to corners), or None."""
         if places.source is None:
             return None
+        if places.source[0] == "radial":
+            return self.radial(places.source[1], lost), True
         if places.source[0] == "uv":
             uv = self.uv_map(places.source[1])
             if uv is None:
@@ -79,6 +98,9 @@ class Corners:
 
 def export(corners, slot_count, places_of, folder, lost):
     """Files in `folder` for the materials that are used: [(slot, name)]. `places_of(slot)`: texture coordinates that are wanted."""
+    if not np.isfinite(corners.positions).all():
+        lost("is left out: the positions of its vertices are no numbers")
+        return []
     written = []
     slots = np.clip(corners.materials, 0, max(0, slot_count - 1))
     for slot in np.unique(slots):

@@ -337,6 +337,12 @@ def fresnel(graph, node, output):
     return constant(0.0 if output.name == "Facing" else ((ior - 1) / (ior + 1)) ** 2)
 
 
+def light_path(graph, node, output):
+    """What light meets, not what the camera or any other kind of ray does."""
+    graph.lost(f"Light Path, {output.name}, is 0, also for the camera")
+    return BLACK
+
+
 def clamp(graph, node, _):
     value = graph.of(node, "Value")
     return value if not is_constant(value) else arithmetic(lambda v, a, b: min(max(v, a), b), value, graph.of(node, "Min"), graph.of(node, "Max"))
@@ -360,4 +366,5 @@ VALUES = {
     "ATTRIBUTE": attribute,
     "FRESNEL": fresnel,
     "LAYER_WEIGHT": fresnel,
+    "LIGHT_PATH": light_path,
 }

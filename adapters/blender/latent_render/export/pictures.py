@@ -133,11 +133,19 @@ class Places:
 
     def __init__(self):
         self.source, self.matrix, self.color = None, None, None
+        self.direction = None  # coordinates whose first one the gloss follows
 
     def need_color(self, name):
         if self.color not in (None, name):
             raise Unknown(f"colour attribute {name} beside {self.color}")
         self.color = name
+
+    def settle(self, lost):
+        """Once all nodes are read."""
+        if self.source is None and self.direction:
+            self.source, self.matrix = self.direction, np.eye(4)
+        if self.direction not in (None, self.source):
+            lost("its gloss is stretched along its textures")
 
     def relative(self, graph, socket, scale):
         """Parameters of a mapping: those of coordinates times `scale`."""

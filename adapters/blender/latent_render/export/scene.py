@@ -42,6 +42,10 @@ class Exported:
     moves: bool = False
 
 
+def blurred(owner, what="use_motion_blur"):
+    return getattr(getattr(owner, "cycles", None), what, True)
+
+
 def flat(pose):
     return [number for row in pose for number in row]
 
@@ -55,7 +59,7 @@ class Exporter:
         self.document, self.report = Document(), Report()
         self.files = Files(os.path.join(folder, "pictures"))
         self.models, self.lamps, self.portals, self.parts = {}, [], [], {}
-        self.known_materials, self.known_objects, self.emitting = {}, set(), {}
+        self.known_materials, self.known_objects, self.emitting, self.shapes = {}, set(), {}, {}
 
     def export(self, stem="scene", frame_set=None):
         """Writes STEM.pbrt. `frame_set(frame, subframe)` moves the scene for motion blur."""
@@ -84,16 +88,27 @@ class Exporter:
         self.document.body += lines
         for number, model in enumerate(self.models.values()):
             self.write_model(model, f"object {number + 1}")
-        if self.scene.render.film_transparent:
-            self.report.lost("film", "a transparent background is opaque")
-        if self.scene.render.use_multiview:
-            self.report.lost("stereoscopy", "all views are that of the camera itself")
+        self.look_at_scene(bool(shutter))
         path = os.path.join(self.folder, f"{stem}.pbrt")
         digest = self.document.write(path)
         for picture, content in sorted(self.files.contents.items()):
             self.part(f"picture {os.path.basename(picture)}", [content])
             digest.update(content.encode())
         return Exported(path, digest, self.parts, list(self.report.lines), self.files.wanted, camera.blades(view.data), bool(closed))
+
+    def look_at_scene(self, moves):
+        """What Latent cannot say of a scene as such."""
+        scene, render, cycles = self.scene, self.scene.render, getattr(self.scene, "cycles", None)
+        curve, bounces = render.motion_blur_shutter_curve.curves[0], getattr(cycles, "volume_bounces", self.settings.max_depth)
+        scatters = any('"rgb sigma_s"' in line for line in (*self.document.definitions.values(), *(line for line in self.document.body if isinstance(line, str))))
+        for holds, owner, what in ((render.film_transparent, "film", "a transparent background is opaque"),
+                                   (getattr(cycles, "film_exposure", 1) != 1, "film", "its exposure is 1; the darkroom has another one"),
+                                   (render.use_multiview, "stereoscopy", "all views are that of the camera itself"),
+                                   (moves and getattr(cycles, "rolling_shutter_type", "NONE") != "NONE", "shutter", "it opens for all rows at once; the darkroom can roll it"),
+                                   (moves and any(point.location[1] < 1 for point in curve.points), "shutter", "it opens and closes at once, whatever its curve"),
+                                   (scatters and bounces < self.settings.max_depth - 1, "volumes", f"light scatters up to {self.settings.max_depth} times, not {bounces + 1}")):
+            if holds:
+                self.report.lost(owner, what)
 
     def part(self, name, lines):
         self.parts[name] = hashlib.blake2b("\n".join(lines).encode(), digest_size=8).hexdigest()
@@ -110,10 +125,22 @@ class Exporter:
         for time in shutter:
             frame_set(int(np.floor(now + time)), float((now + time) % 1))
             there = {self.key(instance): instance.matrix_world.copy() for instance in self.depsgraph.object_instances}
+            self.shapes_at(there)
             there[("camera",)] = self.scene.camera.evaluated_get(self.depsgraph).matrix_world.copy() if self.scene.camera else None
             poses.append(there)
         frame_set(int(np.floor(now)), float(now % 1))
         return poses
+
+    def shapes_at(self, there):
+        """Lists objects whose vertices are elsewhere than when the shutter opened."""
+        for instance in self.depsgraph.object_instances:
+            owner = instance.object
+            if owner.type != "MESH" or ("shape", owner.name_full) in there or not blurred(owner, "use_deform_motion"):
+                continue
+            digest = hashlib.blake2b(mesh.read(owner.data.vertices, "co", 3).tobytes(), digest_size=8).digest()
+            there["shape", owner.name_full] = digest
+            if self.shapes.setdefault(owner.name_full, digest) != digest:
+                self.report.lost(f"object {owner.name}", "its deformation during the exposure is left out")
 
     def add(self, instance, opened, closed):
         owner = instance.object
@@ -168,12 +195,12 @@ class Exporter:
         if not model.shapes:
             return
         pose = instance.matrix_world
+        if not np.isfinite(pose).all():
+            return self.report.lost(f"object {owner.name}", "is left out: its place is no number")
+        who = self.key(instance) if blurred(owner) and blurred(instance.parent or owner) else None
+        model.poses.extend(flat(opened.get(who, pose)))
         if closed:
-            who = self.key(instance)
-            model.poses.extend(flat(opened.get(who, pose)))
             model.ends.extend(flat(closed.get(who, pose)))
-        else:
-            model.poses.extend(flat(pose))
 
     def slots(self, owner):
         """The materials of an object, by slot."""

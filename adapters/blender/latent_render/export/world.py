@@ -30,6 +30,8 @@ def export(world, files, portals, report, bake):
     found = graph.source(output.inputs["Surface"])
     if not found:
         return []
+    if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in world.node_tree.nodes):
+        lost("all of its Light Path is 0: the camera, too, sees what lights the scene")
     try:
         return simple(found[0], graph, files, portals, common)
     except Unknown:
@@ -44,6 +46,10 @@ def export(world, files, portals, report, bake):
 
 def simple(node, graph, files, portals, common):
     """A Background of a colour or a picture; raises Unknown otherwise."""
+    amount = graph.source(node.inputs[0]) if node.type == "MIX_SHADER" else None
+    if amount and amount[0].type == "LIGHT_PATH":
+        lit = graph.source(node.inputs[1])
+        return simple(lit[0], graph, files, portals, common) if lit else []
     if node.type != "BACKGROUND" or node.inputs["Strength"].is_linked:
         raise Unknown("world")
     strength = node.inputs["Strength"].default_value
