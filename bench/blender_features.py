@@ -518,7 +518,7 @@ def principled_anisotropic():
     on_show(principled(Base_Color=(0.9, 0.6, 0.3, 1), Metallic=1.0, Roughness=0.4, Anisotropic=0.8)[0])
 
 
-@feature(2, "the reflectance of the weaker colours rises towards the rim", kind="ball")
+@feature(2, "Cycles 4 and later give back the light that is lost between facets" if NEW else "", kind="ball")
 def glossy_anisotropic():
     on_show(material("BsdfGlossy" if NEW else "BsdfAnisotropic", Color=(0.9, 0.6, 0.3, 1), Roughness=0.4, Anisotropy=0.6)[0])
 

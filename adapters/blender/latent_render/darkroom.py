@@ -210,6 +210,9 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
             return self.failed(failure)
         return {"FINISHED"}
 
+    def cancel(self, _):
+        LATENT_OT_develop.running, self.stopped = False, True
+
 
 class LATENT_OT_darkroom(Operator, bpy.types.Operator):
     """Opens the samples of the last render in latent-darkroom, a page in the browser. It ends with Blender"""

@@ -16,32 +16,27 @@ class Corners:
 
     def __init__(self, mesh):
         self.mesh = mesh
-        new = hasattr(mesh, "normals_domain")
-        if not new and mesh.use_auto_smooth:
-            mesh.calc_normals_split()
+        self.normals = self.read_normals()
         mesh.calc_loop_triangles()
-        count = len(mesh.loop_triangles)
         self.triangles = read(mesh.loop_triangles, "vertices", 3, np.int32)
         self.loops = read(mesh.loop_triangles, "loops", 3, np.int32)
         self.materials = read(mesh.loop_triangles, "material_index", 1, np.int32)
         self.positions = read(mesh.vertices, "co", 3)
-        if new:
-            domain = mesh.normals_domain
+
+    def read_normals(self):
+        """(values, whether they belong to corners), or None of flat faces."""
+        mesh = self.mesh
+        if hasattr(mesh, "normals_domain"):
+            domain, corners, name = mesh.normals_domain, mesh.corner_normals, "vector"
         else:
-            smooth = np.empty(len(mesh.polygons), bool)
-            mesh.polygons.foreach_get("use_smooth", smooth)
-            domain = "CORNER" if mesh.use_auto_smooth else "FACE" if not smooth.any() else "POINT" if smooth.all() else "MIXED"
-        self.normals = self.vertex_normals = None
+            smooth = read(mesh.polygons, "use_smooth", 1, bool)
+            domain = "CORNER" if mesh.use_auto_smooth or smooth.any() != smooth.all() else "POINT" if smooth.any() else "FACE"
+            if domain == "CORNER":
+                mesh.calc_normals_split()
+            corners, name = mesh.loops, "normal"
         if domain == "POINT":
-            self.vertex_normals = read(mesh.vertices, "normal", 3)
-        elif domain == "CORNER" and count:
-            self.normals = read(mesh.corner_normals, "vector", 3) if new else read(mesh.loops, "normal", 3)
-        elif domain == "MIXED":  # some faces are flat
-            normals = read(mesh.vertices, "normal", 3)[read(mesh.loops, "vertex_index", 1, np.int32)]
-            faces = read(mesh.loop_triangles, "polygon_index", 1, np.int32)
-            flat = ~smooth[faces]
-            normals[self.loops[flat].ravel()] = np.repeat(read(mesh.polygons, "normal", 3)[faces[flat]], 3, 0)
-            self.normals = normals
+            return read(mesh.vertices, "normal", 3), False
+        return (read(corners, name, 3), True) if domain == "CORNER" else None
 
     def uv_map(self, name):
         layers = self.mesh.uv_layers
@@ -108,15 +103,10 @@ def export(corners, slot_count, places_of, folder, lost):
         everything = mine.all()
         triangles, loops = (corners.triangles, corners.loops) if everything else (corners.triangles[mine], corners.loops[mine])
         places = places_of(int(slot))
-        columns = {"positions": (corners.positions, False), "normals": None, "uvs": corners.place(places, lost), "colors": None}
-        if corners.vertex_normals is not None:
-            columns["normals"] = (corners.vertex_normals, False)
-        elif corners.normals is not None:
-            columns["normals"] = (corners.normals, True)
-        if places.color is not None:
-            columns["colors"] = corners.colors(places.color)
-            if columns["colors"] is None:
-                lost(f"colour attribute {places.color} is missing")
+        columns = {"positions": (corners.positions, False), "normals": corners.normals, "uvs": corners.place(places, lost),
+                   "colors": None if places.color is None else corners.colors(places.color)}
+        if places.color is not None and columns["colors"] is None:
+            lost(f"colour attribute {places.color} is missing")
         columns = {name: column for name, column in columns.items() if column is not None}
         if any(of_corners for _, of_corners in columns.values()):
             at, loop = triangles.ravel(), loops.ravel()

@@ -227,7 +227,9 @@ def arithmetic(function, *values):
     return each(function, *values)
 
 
-def clamped(value, use):
+def clamped(graph, value, use):
+    if use and isinstance(value, Pattern):
+        graph.lost("a mixture of textures is not clamped")
     return each(lambda c: min(1.0, max(0.0, c)), value) if use and is_constant(value) else value
 
 
@@ -249,18 +251,19 @@ def mix_rgb(graph, node, _):
         blend, clamp = node.blend_type, node.use_clamp
     if blend not in BLENDS:
         raise Unknown(f"Mix ({blend.lower()})")
-    return clamped(BLENDS[blend](graph.value(first), graph.value(second), clamped(graph.value(amount), True)), clamp)
+    share = graph.value(amount)
+    return clamped(graph, BLENDS[blend](graph.value(first), graph.value(second), clamped(graph, share, is_constant(share))), clamp)
 
 
 def math_node(graph, node, _):
     first, second = (graph.value(socket) for socket in list(node.inputs)[:2])
     if node.operation == "MULTIPLY":
-        return clamped(product(first, second), node.use_clamp)
+        return clamped(graph, product(first, second), node.use_clamp)
     if node.operation == "SUBTRACT" and is_constant(first) and first.number() == 1 and not is_constant(second):
         return mix(WHITE, BLACK, second)
     if node.operation not in MATHS:
         raise Unknown(f"Math ({node.operation.lower()})")
-    return clamped(arithmetic(MATHS[node.operation], first, second), node.use_clamp)
+    return clamped(graph, arithmetic(MATHS[node.operation], first, second), node.use_clamp)
 
 
 def ramp(graph, node, output):
@@ -344,8 +347,17 @@ def light_path(graph, node, output):
 
 
 def clamp(graph, node, _):
-    value = graph.of(node, "Value")
-    return value if not is_constant(value) else arithmetic(lambda v, a, b: min(max(v, a), b), value, graph.of(node, "Min"), graph.of(node, "Max"))
+    return arithmetic(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max")))
+
+
+def grey(graph, node, output):
+    """pbrt makes numbers of the colours of a texture by itself."""
+    value = graph.of(node, "Color")
+    if is_constant(value):
+        return constant(value.number())
+    if any(link.to_socket.type == "RGBA" for link in output.links):
+        raise Unknown("RGB to BW of a picture")
+    return value
 
 
 VALUES = {
@@ -358,7 +370,7 @@ VALUES = {
     "INVERT": invert,
     "GAMMA": lambda graph, node, _: arithmetic(lambda c, g: max(0.0, c) ** g, graph.of(node, "Color"), graph.of(node, "Gamma")),
     "CLAMP": clamp,
-    "RGBTOBW": lambda graph, node, output: graph.of(node, "Color"),
+    "RGBTOBW": grey,
     "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
     "TEX_CHECKER": checker,
     "TEX_IMAGE": picture,
