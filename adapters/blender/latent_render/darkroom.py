@@ -130,15 +130,15 @@ def put_up(image):
 
 class Operator:
     def execute(self, context):
-        try:
-            self.run(context)
-        except (tools.Failure, OSError, ValueError) as failure:
-            return self.failed(failure)
-        return {"FINISHED"}
+        return self.guarded(self.run, context)
 
-    def failed(self, failure):
-        self.report({"ERROR"}, f"Latent: {failure}")
-        return {"CANCELLED"}
+    def guarded(self, step, context):
+        """The status of an operator. What fails is a line for the user."""
+        try:
+            return step(context) or {"FINISHED"}
+        except (tools.Failure, OSError, ValueError) as failure:
+            self.report({"ERROR"}, f"Latent: {failure}")
+            return {"CANCELLED"}
 
 
 class LATENT_OT_develop(Operator, bpy.types.Operator):
@@ -186,10 +186,10 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
 
     # From the panel, Blender goes on meanwhile. Esc stops.
     def invoke(self, context, _):
-        try:
-            work = self.work(context)
-        except (tools.Failure, OSError, ValueError) as failure:
-            return self.failed(failure)
+        return self.guarded(self.begin, context)
+
+    def begin(self, context):
+        work = self.work(context)
         LATENT_OT_develop.running, self.stopped = True, False
         self.result = futures.ThreadPoolExecutor(1).submit(work, lambda: self.stopped)
         self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
@@ -204,11 +204,7 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
         LATENT_OT_develop.running = False
         context.window_manager.event_timer_remove(self.timer)
         context.workspace.status_text_set(None)
-        try:
-            self.finish(context, *self.result.result())
-        except (tools.Failure, OSError, ValueError) as failure:
-            return self.failed(failure)
-        return {"FINISHED"}
+        return self.guarded(lambda context: self.finish(context, *self.result.result()), context)
 
     def cancel(self, _):
         LATENT_OT_develop.running, self.stopped = False, True

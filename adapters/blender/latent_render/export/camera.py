@@ -19,7 +19,7 @@ def film(scene):
 
 def export(scene, owner, poses, shutter, report):
     """Directives. `owner`: the evaluated object; `poses`: its matrices when the shutter opens and closes."""
-    data = owner.data
+    data, lost = owner.data, report.of(f"camera {owner.name}")
     lines = []
     turn = panoramic if data.type == "PANO" else mirrored
     world_to_camera = [turn(pose.normalized().inverted()) for pose in poses]
@@ -33,22 +33,22 @@ def export(scene, owner, poses, shutter, report):
     if data.type == "PANO":
         panorama = data if hasattr(data, "panorama_type") else data.cycles
         if panorama.panorama_type != "EQUIRECTANGULAR":
-            report.lost(f"camera {owner.name}", f"panorama {panorama.panorama_type.lower()} is equirectangular, the only one")
+            lost(f"panorama {panorama.panorama_type.lower()} is equirectangular, the only one")
         elif panorama.longitude_max - panorama.longitude_min < 6.28 or panorama.latitude_max - panorama.latitude_min < 3.14:
-            report.lost(f"camera {owner.name}", "its panorama goes all around, whatever its latitudes and longitudes")
+            lost("its panorama goes all around, whatever its latitudes and longitudes")
         return [*lines, directive("Camera", "spherical", **{"string mapping": "equirectangular", **parameters})]
     kind = "orthographic" if data.type == "ORTHO" else "perspective"
     parameters |= {"float screenwindow": window(scene, data), **({"float fov": 90.0} if kind == "perspective" else {})}
     if data.dof.use_dof and data.type == "ORTHO":
-        report.lost(f"camera {owner.name}", "an orthographic camera has no depth of field")
+        lost("an orthographic camera has no depth of field")
     elif data.dof.use_dof:
         radius = lens_radius(data)
         if radius > 0:
             parameters |= {"float lensradius": radius, "float focaldistance": max(1e-4, focus(owner, poses[0]))}
         if abs(data.dof.aperture_ratio - 1) > 1e-3:
-            report.lost(f"camera {owner.name}", "anamorphic bokeh is left out here (Darkroom has it)")
+            lost("anamorphic bokeh is left out here (Darkroom has it)")
     if data.clip_start > 0.5 * max(data.dof.focus_distance, 0.2) and data.type != "ORTHO":
-        report.lost(f"camera {owner.name}", "clipping is ignored")
+        lost("clipping is ignored")
     return [*lines, directive("Camera", kind, **parameters)]
 
 

@@ -27,7 +27,7 @@ def strength(lamp, report):
     color = [c * factor for c in color]
     if not lamp.use_nodes or not lamp.node_tree:
         return color, None
-    lost = lambda what: report.lost(f"lamp {lamp.name}", what)  # noqa: E731
+    lost = report.of(f"lamp {lamp.name}")
     graph = Graph(lamp.node_tree, lost)
     output = graph.output("OUTPUT_LIGHT")
     found = graph.source(output.inputs["Surface"]) if output else None
@@ -60,14 +60,13 @@ def read_profile(graph, node, lost):
 def export(owner, pose, name, report, files, radius_of_scene, center, sees):
     """Directives of a lamp at `pose`. `sees(center, radius)`: whether a ball may be in the picture."""
     lamp = owner.data
-    settings = lamp.latent
+    settings, lost = lamp.latent, report.of(f"lamp {owner.name}")
     color, profile = strength(lamp, report)
     if lamp.energy == 0 or max(color) <= 0:
         return []
     if lamp.energy < 0 or min(color) < 0:
-        report.lost(f"lamp {owner.name}", "negative light is left out")
+        lost("negative light is left out")
         return []
-    lost = lambda what: report.lost(f"lamp {owner.name}", what)  # noqa: E731
     if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
         lost("it casts shadows")
     if profile and lamp.type in ("SUN", "AREA"):

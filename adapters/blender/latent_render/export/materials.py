@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from . import spectra, volumes
-from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, default, each, is_constant, mix, parameter, product
+from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, each, is_constant, mix, parameter, product
 from .pbrt import directive
 from .pictures import Places
 
@@ -55,14 +55,6 @@ class Reader:
 
     def set(self, name, kind, value):
         return parameter(self.document, name, kind, value)
-
-    def constants(self, node, name):
-        """Three numbers, where Latent takes no texture."""
-        value = self.value(node, name)
-        if not is_constant(value):
-            self.graph.lost(f"the texture of {name} is replaced by its default")
-            value = default(self.graph.input(node, name))
-        return value
 
     # What is added to a material of any type.
     def stretched(self, node, along, across, turns):
@@ -124,7 +116,7 @@ def glossy(reader, node):
     of the panel, it is a metal."""
     rough, color = roughness(reader, node), reader.value(node, "Color", "Base Color")
     if color is None:  # a Metallic BSDF by n and k
-        color = each(lambda n, k: ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), *(reader.constants(node, name) for name in ("IOR", "Extinction")))
+        color = each(lambda n, k: ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), *(reader.graph.constant(node, name) for name in ("IOR", "Extinction")))
     if node.type == "BSDF_METALLIC":
         reader.graph.lost("a Metallic BSDF has its colour at every angle")
     metal = spectra.metal(reader.settings)
@@ -146,10 +138,7 @@ def glossy(reader, node):
 
 
 def glass(reader, node):
-    rough = roughness(reader, node)
-    if not is_constant(rough):
-        reader.graph.lost("the roughness of glass is a constant")
-        rough = constant(0.0)
+    rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.graph.constant(node, "Roughness")
     color = reader.value(node, "Color")
     return Surface(("latent:principled", {"float transmission": 1.0, "float roughness": rough.number(), **reader.set("color", "spectrum", color),
                                           **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
@@ -161,22 +150,17 @@ def refraction(reader, node):
 
 
 def transparent(reader, node):
-    color = reader.value(node, "Color")
-    if not is_constant(color) or len(set(color.rgb)) > 1:
+    color = reader.graph.constant(node, "Color")
+    if len(set(color.rgb)) > 1:
         reader.graph.lost("the colour of a Transparent BSDF is grey")
-    share = color.number() if is_constant(color) else 1.0
-    return Surface(None, alpha=constant(1 - share))
+    return Surface(None, alpha=constant(1 - color.number()))
 
 
 def subsurface(reader, node):
     """A solid that light wanders through. Cycles' has no surface of its own."""
-    radius, scale = reader.value(node, "Radius"), reader.number(node, "Scale")
-    color = reader.value(node, "Color")
-    if not is_constant(color, radius):
-        reader.graph.lost("subsurface scattering with textures is matt")
-        return Surface(("diffuse", reader.set("reflectance", "spectrum", color)))
+    color, radius, scale = (reader.graph.constant(node, name) for name in ("Color", "Radius", "Scale"))
     reader.graph.lost("subsurface scattering lies below a surface of index 1.01")
-    return Surface(("subsurface", {"rgb reflectance": list(color.rgb), "rgb mfp": [max(1e-6, r * scale) for r in radius.rgb], "float eta": 1.01}))
+    return Surface(("subsurface", {"rgb reflectance": list(color.rgb), "rgb mfp": [max(1e-6, r * scale.number()) for r in radius.rgb], "float eta": 1.01}))
 
 
 def hair(reader, node):
@@ -212,10 +196,8 @@ def principled(reader, node):
         graph.lost("transmission beside a texture of metallic is left out")
         parameters = {key: value for key, value in parameters.items() if key.split()[1] != "transmission"}
         passes = False
-    if passes and "texture roughness" in parameters:
-        graph.lost("the roughness of glass is a constant")
-        parameters.pop("texture roughness")
-        parameters["float roughness"] = 0.0
+    if passes and parameters.pop("texture roughness", None):
+        parameters["float roughness"] = number("Roughness")
     if passes and (graph.input(node, "Transmission Roughness") and number("Transmission Roughness") > 0):
         graph.lost("what passes through is as rough as what is reflected")
     ior, level = number("IOR"), number("Specular IOR Level", "Specular")
@@ -392,7 +374,7 @@ def export(document, material, report, files, light_name):
         name = document.material("diffuse", {"rgb reflectance": color})
         return Exported([f'NamedMaterial "{name}"'], False, {}, Places())
     places = Places()
-    graph = Graph(material.node_tree, lambda what: report.lost(f"material {material.name}", what), places, files, material)
+    graph = Graph(material.node_tree, report.of(f"material {material.name}"), places, files, material)
     reader = Reader(document, graph, material.latent)
     output = graph.output("OUTPUT_MATERIAL")
     surface = reader.shader(output.inputs["Surface"]) if output else Surface()

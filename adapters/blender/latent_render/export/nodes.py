@@ -144,13 +144,16 @@ class Graph:
         socket = self.input(node, *names)
         return self.value(socket) if socket is not None else None
 
-    def number(self, node, *names):
+    def constant(self, node, *names):
         """Where Latent takes no texture."""
         value = self.of(node, *names)
         if not is_constant(value):
-            self.lost(f"the texture of {names[0]} is replaced by its default")
+            self.lost(f"{node.bl_label}: the texture of {names[0]} is replaced by its default")
             value = default(self.input(node, *names))
-        return value.number()
+        return value
+
+    def number(self, node, *names):
+        return self.constant(node, *names).number()
 
 
 def default(socket):

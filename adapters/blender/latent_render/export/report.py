@@ -9,6 +9,10 @@ class Report:
         """`owner`: such as "material Wood". Each line appears once."""
         self.lines.setdefault(f"{owner}: {what}", None)
 
+    def of(self, owner):
+        """A function that takes what is lost of one owner."""
+        return lambda what: self.lost(owner, what)
+
 
 class Unknown(Exception):
     """A node that Latent cannot say."""

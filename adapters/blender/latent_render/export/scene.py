@@ -46,6 +46,12 @@ def blurred(owner, what="use_motion_blur"):
     return getattr(getattr(owner, "cycles", None), what, True)
 
 
+def ball(points):
+    """The middle of a box around points, and its radius."""
+    low, high = points.min(0), points.max(0)
+    return (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+
+
 def flat(pose):
     return [number for row in pose for number in row]
 
@@ -220,7 +226,6 @@ class Exporter:
         return made
 
     def read_mesh(self, owner):
-        lost = lambda what: self.report.lost(f"object {owner.name}", what)  # noqa: E731
         try:
             data = owner.to_mesh()
         except RuntimeError:
@@ -231,8 +236,9 @@ class Exporter:
                 return Model(owner.name, [], False)
             corners = mesh.Corners(data)
             of_slot = [self.lookup(material, owner) for material in slots]
-            files = mesh.export(corners, len(slots), lambda slot: of_slot[slot].places, os.path.join(self.folder, "meshes"), lost)
-            low, high = corners.positions.min(0), corners.positions.max(0)
+            files = mesh.export(corners, len(slots), lambda slot: of_slot[slot].places, os.path.join(self.folder, "meshes"),
+                                self.report.of(f"object {owner.name}"))
+            box = ball(corners.positions)
         finally:
             owner.to_mesh_clear()
         shapes, emits = [], False
@@ -241,15 +247,13 @@ class Exporter:
             emits |= made.emits
             shapes.append([*made.lines, directive("Shape", "plymesh", **{"string filename": f"meshes/{name}", **made.alpha})])
         self.part(f"object {owner.name}", [name for _, name in files])
-        return Model(owner.name, shapes, emits, (low + high) / 2, float(np.linalg.norm(high - low)) / 2)
+        return Model(owner.name, shapes, emits, *box)
 
     def read_strands(self, owner):
         made = self.lookup((self.slots(owner) or [None])[0], owner)
         strands = [curves.shape(points, root, tip, made.alpha) for points, root, tip in curves.hair_curves(owner.data)]
         self.part(f"object {owner.name}", strands)
-        box = np.array(owner.bound_box)
-        low, high = box.min(0), box.max(0)
-        return Model(owner.name, [[*made.lines, *strands]] if strands else [], made.emits, (low + high) / 2, float(np.linalg.norm(high - low)) / 2)
+        return Model(owner.name, [[*made.lines, *strands]] if strands else [], made.emits, *ball(np.array(owner.bound_box)))
 
     def add_particle_hair(self, owner):
         for modifier in owner.modifiers:

@@ -64,10 +64,6 @@ def lamp(settings, key, color):
     luminance = sum(c * w for c, w in zip(color, LUMINANCE))
     if settings.spectrum == "COLOR":
         return {f"rgb {key}": [float(c) for c in color]}, 1.0
-    if settings.spectrum == "DAYLIGHT":
-        return {f"latent:daylight {key}": float(min(25000, max(4000, settings.kelvin)))}, luminance
-    if settings.spectrum == "BLACKBODY":
-        return {f"blackbody {key}": float(settings.kelvin)}, luminance
-    if settings.spectrum == "SODIUM":
-        return {f"spectrum {key}": [588.0, 0.0, 589.0, 1.0, 589.6, 1.0, 590.6, 0.0]}, luminance
-    return {f"spectrum {key}": settings.spectrum}, luminance
+    kind, value = {"DAYLIGHT": ("latent:daylight", float(min(25000, max(4000, settings.kelvin)))), "BLACKBODY": ("blackbody", float(settings.kelvin)),
+                   "SODIUM": ("spectrum", [588.0, 0.0, 589.0, 1.0, 589.6, 1.0, 590.6, 0.0])}.get(settings.spectrum, ("spectrum", settings.spectrum))
+    return {f"{kind} {key}": value}, luminance

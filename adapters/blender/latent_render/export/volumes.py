@@ -4,7 +4,7 @@ import os
 import shutil
 import subprocess
 
-from .nodes import Graph, is_constant
+from .nodes import Graph
 from .pbrt import directive, matrix
 from .report import Unknown
 
@@ -39,7 +39,7 @@ def of_node(graph, node):
 
 def voxels(owner, pose, folder, report):
     """Lines of a volume object: its densities times what its Principled Volume says of density 1, in a box that nothing else sees."""
-    lost = lambda what: report.lost(f"object {owner.name}", what)  # noqa: E731
+    lost = report.of(f"object {owner.name}")
     material = next((slot.material for slot in owner.material_slots if slot.material), None)
     tree = material and material.node_tree
     graph = tree and Graph(tree, lost)
@@ -95,32 +95,24 @@ def converted(owner, folder):
     return made
 
 
-def color(graph, node, name):
-    value = graph.of(node, name)
-    if not is_constant(value):
-        graph.lost(f"the texture of {name} of a volume is grey")
-        return (0.5, 0.5, 0.5)
-    return value.rgb
-
-
 def absorption(graph, node):
-    return (0.0, 0.0, 0.0), [graph.number(node, "Density") * (1 - c) for c in color(graph, node, "Color")], None, 0.0
+    return (0.0, 0.0, 0.0), [graph.number(node, "Density") * (1 - c) for c in graph.constant(node, "Color").rgb], None, 0.0
 
 
 def scattering(graph, node):
-    return [graph.number(node, "Density") * c for c in color(graph, node, "Color")], (0.0, 0.0, 0.0), None, graph.number(node, "Anisotropy")
+    return [graph.number(node, "Density") * c for c in graph.constant(node, "Color").rgb], (0.0, 0.0, 0.0), None, graph.number(node, "Anisotropy")
 
 
 def principled(graph, node):
     """Cycles' coefficients: what is not scattered is absorbed, but for the square root of the absorption colour."""
     density = graph.number(node, "Density")
-    tint, absorbed = color(graph, node, "Color"), color(graph, node, "Absorption Color")
+    tint, absorbed = graph.constant(node, "Color").rgb, graph.constant(node, "Absorption Color").rgb
     scatter = [density * c for c in tint]
     absorb = [density * max(0.0, 1 - c) * max(0.0, 1 - max(0.0, a) ** 0.5) for c, a in zip(tint, absorbed)]
     if graph.number(node, "Blackbody Intensity") > 0:
         graph.lost("the blackbody emission of a volume is left out")
     strength = graph.number(node, "Emission Strength")
-    return scatter, absorb, [strength * c for c in color(graph, node, "Emission Color")], graph.number(node, "Anisotropy")
+    return scatter, absorb, [strength * c for c in graph.constant(node, "Emission Color").rgb], graph.number(node, "Anisotropy")
 
 
 MEDIA = {"VOLUME_ABSORPTION": absorption, "VOLUME_SCATTER": scattering, "PRINCIPLED_VOLUME": principled}

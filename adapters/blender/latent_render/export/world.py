@@ -14,7 +14,7 @@ def export(world, files, portals, report, bake):
     """Directives. `bake(world)`: the path of a picture of it."""
     if world is None:
         return []
-    lost = lambda what: report.lost(f"world {world.name}", what)  # noqa: E731
+    lost = report.of(f"world {world.name}")
     common = {"string name": "World"}
     hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
     if hidden:
