@@ -241,21 +241,12 @@ def clamped(graph, value, use):
 
 def mix_rgb(graph, node, _):
     """Both that of 3.4, and the older one."""
-    if node.type == "MIX" and node.data_type == "VECTOR":
-        raise Unknown("Mix of vectors")
-    inputs = node.inputs
-    if node.type == "MIX":
-        kind = {"RGBA": "Color", "FLOAT": "Float"}[node.data_type]
-        first, second, amount = (next(s for s in inputs if s.identifier == f"{name}_{suffix}")
-                                 for name, suffix in (("A", kind), ("B", kind), ("Factor", "Float")))
-        blend, clamp = node.blend_type if kind == "Color" else "MIX", node.clamp_result if kind == "Color" else False
-    else:
-        amount, first, second = inputs[0], inputs[1], inputs[2]
-        blend, clamp = node.blend_type, node.use_clamp
-    if blend not in BLENDS:
-        raise Unknown(f"Mix ({blend.lower()})")
-    share = graph.value(amount)
-    return clamped(graph, BLENDS[blend](graph.value(first), graph.value(second), clamped(graph, share, is_constant(share))), clamp)
+    kind = getattr(node, "data_type", "RGBA")
+    blend, clamp = (node.blend_type, getattr(node, "use_clamp", False) or getattr(node, "clamp_result", False)) if kind == "RGBA" else ("MIX", False)
+    if kind not in ("RGBA", "FLOAT") or blend not in BLENDS:
+        raise Unknown(f"Mix ({kind.lower()}, {blend.lower()})")
+    share = graph.of(node, "Factor", "Fac")
+    return clamped(graph, BLENDS[blend](graph.of(node, "A", "Color1"), graph.of(node, "B", "Color2"), clamped(graph, share, is_constant(share))), clamp)
 
 
 def math_node(graph, node, _):

@@ -306,12 +306,8 @@ class Exporter:
 
 
 def placed(model, number):
-    start = np.frombuffer(model.poses)[16 * number : 16 * number + 16].reshape(4, 4)
-    if model.ends:
-        end = np.frombuffer(model.ends)[16 * number : 16 * number + 16].reshape(4, 4)
-        if not np.array_equal(start, end):
-            return ["ActiveTransform StartTime", matrix(start, "ConcatTransform"), "ActiveTransform EndTime", matrix(end, "ConcatTransform"), "ActiveTransform All"]
-    return [matrix(start, "ConcatTransform")]
+    start, end = (matrix(np.frombuffer(poses)[16 * number : 16 * number + 16].reshape(4, 4), "ConcatTransform") for poses in (model.poses, model.ends or model.poses))
+    return [start] if start == end else ["ActiveTransform StartTime", start, "ActiveTransform EndTime", end, "ActiveTransform All"]
 
 
 def copies(model, name):
