@@ -84,11 +84,12 @@ class Lamp:
         spectrum, factor = spectra.lamp(self.settings, key, self.color)
         return directive(word, kind, **{**spectrum, "float scale": float(scale * factor), "string name": self.name, **more})
 
-    def surface(self, shape, center, radius, radiance, **more):
-        """A shape that emits, within a ball. An unseen one shines all the same: only rays do not meet it."""
+    def surface(self, kind, shape, center, radius, radiance, **more):
+        """A shape that emits, within a ball: its parameters. An unseen one shines all the same: only rays do not meet it."""
         visible = self.settings.visible == "ALWAYS" or (self.settings.visible == "AUTO" and not self.sees(center, radius))
         hidden = {} if visible else {"float alpha": 0.0}
-        return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more), shape(hidden)]
+        return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more),
+                directive("Shape", kind, **shape, **hidden)]
 
     def by_direction(self, pose, share=1.0):
         """A lamp with a profile. `share`: another factor, by row."""
@@ -113,8 +114,7 @@ def point(lamp, pose):
         return lamp.by_direction(pose)
     if radius < 1e-6:
         return [matrix(at(pose)), lamp.source("point", "I", watts / (4 * math.pi))]
-    sphere = lambda hidden: directive("Shape", "sphere", **{"float radius": radius, **hidden})  # noqa: E731
-    return [matrix(at(pose)), *lamp.surface(sphere, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
+    return [matrix(at(pose)), *lamp.surface("sphere", {"float radius": radius}, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
 
 
 def spot(lamp, pose):
@@ -141,11 +141,11 @@ def sun(lamp, pose):
     if half < 1e-5:
         return [matrix(turned), lamp.source("distant", "L", lamp.lamp.energy, **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]})]
     distance = 2000 * lamp.radius_of_scene
+    radius = distance * math.tan(half)
     turned.translation = lamp.center + distance * turned.col[2].xyz
-    # The disk faces along its +z, and shines along -z.
-    disk = lambda hidden: directive("Shape", "disk", **{"float radius": distance * math.tan(half), **hidden})  # noqa: E731
     radiance = lamp.lamp.energy / (math.pi * math.sin(half) ** 2)
-    return [matrix(turned), "ReverseOrientation", *lamp.surface(disk, turned.translation, distance * math.tan(half), radiance)]
+    # The disk faces along its +z, and shines along -z.
+    return [matrix(turned), "ReverseOrientation", *lamp.surface("disk", {"float radius": radius}, turned.translation, radius, radiance)]
 
 
 # Watts of an area lamp for each unit of radiance and area: Blender 3's counted pi / 4 of the power.
@@ -170,14 +170,12 @@ def area(lamp, pose):
     if spread < math.pi - 1e-3:
         lamp.lost("its spread is a power of the cosine of equal half-width")
         more, radiance = spread_of(spread, radiance)
+    x, y, ball = wide / 2, high / 2, (pose.translation, math.hypot(wide, high) / 2)
     if data.shape in ("DISK", "ELLIPSE"):
-        scaled = matrix([[wide / 2, 0, 0, 0], [0, high / 2, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "ConcatTransform")
-        shape = lambda hidden: directive("Shape", "disk", **{"float radius": 1.0, **hidden})  # noqa: E731
-        return [matrix(at(pose)), scaled, "ReverseOrientation", *lamp.surface(shape, pose.translation, math.hypot(wide, high) / 2, radiance, **more)]
-    x, y = wide / 2, high / 2
+        scaled = matrix(np.diag([x, y, 1, 1]), "ConcatTransform")
+        return [matrix(at(pose)), scaled, "ReverseOrientation", *lamp.surface("disk", {"float radius": 1.0}, *ball, radiance, **more)]
     corners = [-x, -y, 0.0, -x, y, 0.0, x, -y, 0.0, x, y, 0.0]  # facing -z
-    shape = lambda hidden: directive("Shape", "bilinearmesh", **{"point3 P": corners, "integer indices": [0, 1, 2, 3], **hidden})  # noqa: E731
-    return [matrix(at(pose)), *lamp.surface(shape, pose.translation, math.hypot(wide, high) / 2, radiance, **more)]
+    return [matrix(at(pose)), *lamp.surface("bilinearmesh", {"point3 P": corners, "integer indices": [0, 1, 2, 3]}, *ball, radiance, **more)]
 
 
 def spread_of(spread, radiance):

@@ -381,12 +381,9 @@ def export(document, material, report, files, light_name):
     places.settle(graph.lost)
     if output and output.inputs["Displacement"].is_linked:
         graph.lost("displacement is left out; use a modifier, or a Bump node")
-    medium = volumes.medium(document, output, graph) if output else None
-    lines = []
-    if medium:
-        lines.append(f'MediumInterface "{medium}" ""')
-    only_volume = bool(medium) and output and not output.inputs["Surface"].is_linked
-    if only_volume or surface.is_clear:
+    inside = volumes.coefficients(output, graph) if output else None
+    lines = [f'MediumInterface "{document.medium("homogeneous", inside)}" ""'] if inside else []
+    if surface.is_clear or inside and not output.inputs["Surface"].is_linked:
         lines.append('Material "interface"')
     else:
         kind, parameters = surface.material or MATT_BLACK

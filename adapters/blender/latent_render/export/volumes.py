@@ -11,11 +11,6 @@ from .report import Unknown
 CONVERTER = "nanovdb_convert"  # of Debian's libnanovdb-tools
 
 
-def medium(document, output, graph):
-    parameters = coefficients(output, graph)
-    return parameters and document.medium("homogeneous", parameters)
-
-
 def coefficients(output, graph):
     """Parameters of a medium, or None."""
     socket = output.inputs["Volume"]
