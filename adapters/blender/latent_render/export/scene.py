@@ -74,6 +74,10 @@ class Exporter:
         opened, closed = self.poses_at(shutter, frame_set) if shutter and frame_set else ({}, {})
         for instance in self.depsgraph.object_instances:
             self.add(instance, opened, closed)
+        for key, model in list(self.models.items()):
+            if not np.isfinite(np.frombuffer(model.poses)).all():
+                self.report.lost(f"object {model.name}", "is left out: its place is no number")
+                del self.models[key]
         view = self.scene.camera
         if view is None:
             raise ValueError("the scene has no camera")
@@ -201,9 +205,7 @@ class Exporter:
         if not model.shapes:
             return
         pose = instance.matrix_world
-        if not np.isfinite(pose).all():
-            return self.report.lost(f"object {owner.name}", "is left out: its place is no number")
-        who = self.key(instance) if blurred(owner) and blurred(instance.parent or owner) else None
+        who = self.key(instance) if closed and blurred(owner) and blurred(instance.parent or owner) else None
         model.poses.extend(flat(opened.get(who, pose)))
         if closed:
             model.ends.extend(flat(closed.get(who, pose)))
