@@ -182,6 +182,21 @@ class Jobs(unittest.TestCase):
             self.assertIn("back to an earlier job", self.begin(folder, "A", {"lamp Key": "1", "world": "2"})[1])
             self.assertEqual(job.old(folder), [])
 
+    def test_missing_samples_are_said_to_be_added_only_where_some_are_missing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mine, _ = self.begin(folder, "A", {})
+            open(mine.samples, "w").close()
+            darkroom = job.Job(folder, "frame")  # develops meanwhile
+            mine.finish(64)
+            darkroom.keep(developed={})
+            self.assertEqual(self.begin(folder, "A", {})[1], "same job: all of its samples are there")
+            self.begin(folder, "B", {})
+            self.begin(folder, "A", {})
+            self.assertEqual(self.begin(folder, "A", {}, wanted=32)[1], "same job: all of its samples are there")
+            self.assertEqual(self.begin(folder, "A", {}, wanted=65)[1], "same job: missing samples are added")
+            pathlib.Path(mine.samples).unlink()
+            self.assertEqual(self.begin(folder, "A", {})[1], "same job: it resumes")
+
     def test_a_picture_is_developed_once_and_again_for_more_samples(self):
         with tempfile.TemporaryDirectory() as folder:
             mine, _ = self.begin(folder, "A", {})

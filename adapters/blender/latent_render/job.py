@@ -52,7 +52,7 @@ class Job:
         self.keep(done={**done, self.note["key"]: max(samples, done.get(self.note["key"], 0))})
 
     def keep(self, **facts):
-        self.note = {**(self.note or {}), **facts}
+        self.note = {**(read(self.path) or {}), **facts}  # F12 may have changed it while the darkroom developed
         with open(self.path + ".unfinished", "w") as file:
             json.dump(self.note, file, indent=1)
         os.replace(self.path + ".unfinished", self.path)
