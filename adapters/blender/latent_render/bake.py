@@ -25,10 +25,7 @@ def bake_world(job):
     scene.world = here.worlds[0]
     data = bpy.data.cameras.new("bake")
     data.type = "PANO"
-    if hasattr(data, "panorama_type"):
-        data.panorama_type = "EQUIRECTANGULAR"
-    else:
-        data.cycles.panorama_type = "EQUIRECTANGULAR"
+    (data if hasattr(data, "panorama_type") else data.cycles).panorama_type = "EQUIRECTANGULAR"
     owner = bpy.data.objects.new("bake", data)
     owner.rotation_euler = (1.5707963267948966, 0, -1.5707963267948966)  # along +x, where the middle of Blender's pictures is
     scene.collection.objects.link(owner)

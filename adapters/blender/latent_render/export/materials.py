@@ -183,8 +183,11 @@ def principled(reader, node):
     """Inputs have other names since Blender 4.0."""
     graph, is_new = reader.graph, "Coat Weight" in node.inputs
     number = functools.partial(reader.number, node)
-    base = reader.value(node, "Base Color")
-    parameters = reader.set("color", "spectrum", raised(base, second_loss(reader, node, is_new)))
+    base, weight = reader.value(node, "Base Color"), number("Subsurface Weight", "Subsurface")
+    if weight > 0:
+        graph.lost("the subsurface scattering of a Principled BSDF is matt")
+    below = base if is_new or weight == 0 else mix(base, reader.value(node, "Subsurface Color"), constant(weight))
+    parameters = reader.set("color", "spectrum", raised(below, second_loss(reader, node, is_new)))
     for name, kind, names in PRINCIPLED:
         value = reader.value(node, *names)
         if value is not None:
@@ -227,15 +230,7 @@ def principled(reader, node):
             graph.lost("sheen is left out (Blender 4.0 has one that Latent knows)")
     if is_new and "Thin Film Thickness" in node.inputs and number("Thin Film Thickness") > 0:
         parameters |= {"float film": 1.0, "float filmthickness": number("Thin Film Thickness"), "float filmeta": number("Thin Film IOR")}
-    weight = number("Subsurface Weight", "Subsurface")
-    if weight > 0:
-        graph.lost("the subsurface scattering of a Principled BSDF is matt")
-        if not is_new:
-            parameters = {key: value for key, value in parameters.items() if key.split()[1] != "color"}
-            base = mix(base, reader.value(node, "Subsurface Color"), constant(weight))
-            parameters |= reader.set("color", "spectrum", raised(base, second_loss(reader, node, is_new)))
-    coat = reader.graph.input(node, "Coat Tint")
-    if coat is not None and number("Coat Weight") > 0 and (coat.is_linked or min(list(coat.default_value)[:3]) < 1):
+    if is_new and number("Coat Weight") > 0 and reader.value(node, "Coat Tint") != WHITE:
         graph.lost("the tint of the coat is white")
     metal = spectra.metal(reader.settings)
     surface = Surface(("latent:principled", {**parameters, **reader.relief(node)}))
