@@ -44,10 +44,11 @@ class Diagnostics {
         say_of_kind(kind, place, message, notes_);
     }
 
-    // What is not read (files/unread.h): a note if it is harmless, else a warning; `message`, and why.
+    // What is not read (files/unread.h), unless it is usual: a note if it is harmless, else a warning; `message`, and why.
     void say_of_unread(const std::string& kind, const std::string& place, const std::string& message,
                        const UnreadFeatures& unread) {
-        say_of_kind(kind, place, message + ": " + std::string(unread.why), unread.is_harmless ? notes_ : warnings_);
+        if (!unread.is_usual)
+            say_of_kind(kind, place, message + ": " + std::string(unread.why), unread.is_harmless ? notes_ : warnings_);
     }
 
     // "room.pbrt:12:3".

@@ -66,10 +66,6 @@ Result<Hash128> hash_of(const std::filesystem::path& path) {
     }
 }
 
-}  // namespace
-
-namespace {
-
 std::string lower_case(std::string text) {
     for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     return text;

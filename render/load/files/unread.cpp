@@ -90,7 +90,7 @@ constexpr UnreadFeatures kUnreadFeatures[] = {
     {kGltf, "members", "occlusionTexture", "occlusion is computed", true},
     {kGltf, "members", "range", "lamps fade with the inverse square of the distance"},
     {kGltf, "members", "thicknessTexture", "light takes its way through the shape", true},
-    {kGltf, "members", "znear zfar", "nothing is cut off near the camera or far away", true},
+    {kGltf, "members", "znear zfar", "nothing is cut off near the camera or far away", true, true},
     {kGltf, "morph targets", "COLOR_0 TEXCOORD_0", "only positions, normals and tangents move"},
 
     {kObj, "statements", "p l", "points and lines are not drawn"},
@@ -100,7 +100,7 @@ constexpr UnreadFeatures kUnreadFeatures[] = {
     {kObj, "statements", "shadow_obj trace_obj", "the model itself casts its shadows"},
     {kObj, "statements", "call csh", "no other file or program is run"},
     {kObj, "statements", "maplib usemap", "maps come with materials"},
-    {kObj, "materials", "Ka map_Ka", "light from all around is computed", true},
+    {kObj, "materials", "Ka map_Ka", "light from all around is computed", true, true},
     {kObj, "materials", "Kt", "a colour of transparency is Tf"},
     {kObj, "materials", "aniso anisor", "reflections are blurred alike in all directions"},
     {kObj, "materials", "bump disp", "heights have no unit"},

@@ -15,6 +15,7 @@ struct UnreadFeatures {
     std::string_view names;    // with spaces between them; empty: the kind itself
     std::string_view why;      // or what happens, or what to do instead; it may follow a colon
     bool is_harmless = false;  // no sample depends on them
+    bool is_usual = false;     // nearly every file has them, so they are said by --list-features alone
 };
 
 std::span<const UnreadFeatures> unread_features();
