@@ -1,9 +1,14 @@
 // Denoised pixels are means over neighbours that the samples cannot tell apart; what they can tell apart stays apart.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <random>
 
+#include "color/rgb_space.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/denoise/denoiser.h"
@@ -145,6 +150,34 @@ TEST(Denoise, LightOfFewSamplesDoesNotSpreadOverTheDark) {
     }
 }
 
+// Light of one group that varies, and of another that ends at an edge.
+TEST(Denoise, LightGroupsAreDenoisedByThemselvesAndTheirSumIsThePicture) {
+    const auto group = [](bool edge) { return [edge](int x, int) { return Pixel{edge && x >= kSide / 2 ? 0.2f : 1.0f, 0.5f}; }; };
+    const std::vector<float> alone[2] = {noisy(group(false), 6), noisy(group(true), 7)};
+    const std::vector<std::string> names = {"R",         "noisy.R",         "variance.R",      "half0.R",
+                                            "half1.R",   "light.a.R",       "half0.light.a.R", "half1.light.a.R",
+                                            "light.b.R", "half0.light.b.R", "half1.light.b.R", "albedo.R",
+                                            "albedo.G",  "albedo.B"};
+    std::vector<float> pixels;
+    for (std::size_t i = 0; i < alone[0].size(); i += kNames.size()) {
+        const float *const a = &alone[0][i], *const b = &alone[1][i];
+        const float sum = a[0] + b[0];
+        pixels.insert(pixels.end(), {sum, sum, 0, a[2] + b[2], a[3] + b[3], a[0], a[2], a[3], b[0], b[2], b[3], a[4], a[5], a[6]});
+    }
+    const std::vector<float> out = denoise(DenoisedValues::find(names), 1, kAll, pixels, kAll);
+    const auto denoised = [](const std::vector<float>& from) { return denoise(DenoisedValues::find(kNames), 1, kAll, from, kAll); };
+    const std::vector<float> a = denoised(alone[0]), b = denoised(alone[1]);
+    for (std::size_t pixel = 0; pixel < out.size() / names.size(); ++pixel) {
+        const float* const all = &out[pixel * names.size()];
+        const std::size_t at = pixel * kNames.size();
+        ASSERT_EQ(all[5], a[at]) << pixel;
+        ASSERT_EQ(all[8], b[at]) << pixel;
+        ASSERT_EQ(all[0], a[at] + b[at]) << pixel;
+        ASSERT_EQ(all[1], pixels[pixel * names.size() + 1]) << pixel;
+        ASSERT_EQ(all[2], a[at + 1] + b[at + 1]) << pixel;
+    }
+}
+
 class DenoisedFile : public ::testing::Test {
  protected:
     static constexpr std::uint32_t kWidth = 300;
@@ -201,7 +234,7 @@ TEST_F(DenoisedFile, ACropIsAPartOfTheWholeForAnyThreadsAndMemory) {
 }
 
 TEST_F(DenoisedFile, LayersThatWereAskedForAreThoseOfTheNoisyPicture) {
-    options_.layers.halves = options_.layers.depth = options_.layers.variance = true;
+    options_.layers.halves = options_.layers.depth = options_.layers.variance = options_.layers.noisy = true;
     const PixelArray denoised = develop("with.latent", options_);
     options_.denoise = 0;
     const PixelArray noisy = develop("with.latent", options_);
@@ -209,12 +242,53 @@ TEST_F(DenoisedFile, LayersThatWereAskedForAreThoseOfTheNoisyPicture) {
     const std::size_t channels = noisy.channels().size();
     for (std::size_t i = 0; i < noisy.pixels().size(); ++i) {
         const std::string& channel = noisy.channels()[i % channels];
-        if (channel.starts_with("half") || channel == "Z") {
+        if (channel.starts_with("half") || channel.starts_with("noisy.") || channel == "Z") {
             ASSERT_EQ(denoised.pixels()[i], noisy.pixels()[i]) << channel;
         } else if (channel.starts_with("variance.")) {
             ASSERT_GE(denoised.pixels()[i], 0);
         }
     }
+}
+
+// Pixels of a PFM file, from the top down.
+std::vector<float> read_pfm(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const std::string header = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+    const std::size_t row = std::size_t{width} * 3;
+    std::vector<float> pixels(row * height);
+    EXPECT_EQ(bytes.substr(0, header.size()), header);
+    EXPECT_EQ(bytes.size(), header.size() + pixels.size() * sizeof(float));
+    if (bytes.size() != header.size() + pixels.size() * sizeof(float)) return pixels;
+    for (std::size_t y = 0; y < height; ++y)
+        std::memcpy(&pixels[(height - 1 - y) * row], bytes.data() + header.size() + y * row * sizeof(float), row * sizeof(float));
+    return pixels;
+}
+
+TEST_F(DenoisedFile, FilesForOidnHoldThePictureInLinearSrgbAndTheLayersOfTheFile) {
+    options_.denoise = 0;
+    options_.layers.normal = true;
+    const PixelArray picture = develop("with.latent", options_);
+    options_.layers = {};
+    options_.inputs = {folder_ / "with.latent"};
+    options_.for_oidn = folder_ / "p";
+    const Result<PictureReport> report = develop_picture(options_, {});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "p.alb.pfm"));
+    const std::vector<float> rgb = read_pfm(folder_ / "p.hdr.pfm", report->width, report->height),
+                             normal = read_pfm(folder_ / "p.nrm.pfm", report->width, report->height);
+    ASSERT_EQ(rgb.size() * 2, picture.pixels().size());
+    for (std::size_t i = 0; i < rgb.size(); i += 3) {
+        const float* const pixel = &picture.pixels()[2 * i];
+        const auto expected = color::RgbSpace::srgb().rgb_from_xyz * std::array<double, 3>{pixel[0], pixel[1], pixel[2]};
+        for (std::size_t c = 0; c < 3; ++c) {
+            ASSERT_EQ(rgb[i + c], static_cast<float>(expected[c])) << i;
+            ASSERT_EQ(normal[i + c], pixel[3 + c]) << i;
+        }
+    }
+    const Result<PictureReport> again = develop_picture(options_, {});
+    ASSERT_FALSE(again);
+    EXPECT_EQ(again.error().code, ErrorCode::kExists);
 }
 
 }  // namespace

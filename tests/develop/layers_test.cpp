@@ -38,6 +38,10 @@ TEST(Layers, AreReadInAnyOrderAndOthersRefused) {
                 ::testing::ElementsAre("R", "G", "B", "light.Key.R", "light.Key.G", "light.Key.B", "light.World.R", "light.World.G",
                                        "light.World.B", "Z"));
     EXPECT_EQ(with_lights.outputs(), 10);
+    const RowLayout with_halves{1, {.noisy = true, .halves = true, .lights = true}, false, {"Key"}};
+    EXPECT_THAT(with_halves.names({"Y"}), ::testing::ElementsAre("Y", "noisy.Y", "half0.Y", "half1.Y", "light.Key.Y",
+                                                                 "half0.light.Key.Y", "half1.light.Key.Y"));
+    EXPECT_EQ(with_halves.outputs(), 7);
 }
 
 // Written down once: files developed by different versions must agree about halves.

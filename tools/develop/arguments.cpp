@@ -190,7 +190,8 @@ CLI::App& add_decisions(CLI::App& app, PictureOptions& options) {
     };
     cli::add_parsed(
         section, "--layers", options.layers, layers,
-        "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); "
+        "further layers to store: noisy (the picture before --denoise), variance of the camera image, weight (sum of filter "
+        "weights), count (number of samples); "
         "lights (the picture by each group of lights alone), of files rendered with --light-groups; of "
         "files rendered with --aov: albedo, normal, depth, position, id; of any other column of the files, by its name: its mean")
         ->type_name("NAME,...");
@@ -223,6 +224,13 @@ CLI::App& add_arguments(CLI::App& app, PictureOptions& options) {
         ->check(
             cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
     CLI::App& decisions = add_decisions(app, options);
+    auto* oidn = app.add_option("--for-oidn", options.for_oidn,
+                                "write the files that Open Image Denoise takes, instead of an EXR: PREFIX.hdr.pfm, and, of files "
+                                "rendered with --aov albedo,normal, PREFIX.alb.pfm and PREFIX.nrm.pfm")
+                     ->type_name("PREFIX");
+    for (const char* other : {"--layers", "--halves", "--denoise", "--mipmap", "--compression", "--frames"})
+        oidn->excludes(decisions.get_option(other));
+    oidn->excludes(app.get_option("--output"));
     cli::add_recipe(app);
     cli::add_duration(app, "--budget", options.budget_seconds, "preview: time to spend; develops as many runs as it allows")
         ->excludes(decisions.get_option("--fraction"));

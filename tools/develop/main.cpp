@@ -7,6 +7,7 @@
 #include "base/recipe_options.h"
 #include "base/temporary_path.h"
 #include "tools/develop/arguments.h"
+#include "tools/develop/picture/oidn_picture.h"
 #include "tools/develop/picture/picture.h"
 #include "tools/develop/picture/report.h"
 
@@ -25,8 +26,9 @@ int main(int argc, char** argv) try {
         ->excludes(app.get_option("--frames"));
     cli::add_common(app, common, true);
     app.parse_complete_callback([&] {
+        if (!options.for_oidn.empty()) options.output = develop::OidnPicture::colour_of(options.for_oidn);
         if (!options.output.empty()) return;
-        if (!dry_run) throw CLI::RequiredError("--output");
+        if (!dry_run) throw CLI::RequiredError("--output or --for-oidn");
         options.output = "picture.exr";  // the free space is that of this folder
     });
     if (const auto done = cli::parse(app, argc, argv)) return *done;

@@ -192,7 +192,11 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
             for (int entry = 0; entry < layout_.filled(); ++entry) move(entry);
             for (int entry = layout_.light(0); entry < layout_.albedo(); ++entry) move(entry);
         }
-        if (layout_.layers.halves && half_of(page.sample[row]) == 0) std::copy_n(first, layout_.linear(), first + layout_.half());
+        if (layout_.layers.halves && half_of(page.sample[row]) == 0) {
+            std::copy_n(first, layout_.linear(), first + layout_.half());
+            for (std::size_t group = 0; group < layout_.lights.size(); ++group)
+                std::copy_n(first + layout_.light(group), n, first + layout_.light_half(group));
+        }
         if (layout_.layers.variance && camera) {
             for (int c = 0; c < n; ++c) {
                 const float divisor = first[layout_.divisor(c)];

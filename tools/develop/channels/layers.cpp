@@ -16,9 +16,10 @@ std::uint64_t mix(std::uint64_t z) {
     return z ^ (z >> 31);
 }
 
-constexpr Switch<Layers> kNames[] = {{"variance", &Layers::variance}, {"weight", &Layers::weight},     {"count", &Layers::count},
-                                     {"lights", &Layers::lights},     {"albedo", &Layers::albedo},     {"normal", &Layers::normal},
-                                     {"depth", &Layers::depth},       {"position", &Layers::position}, {"id", &Layers::id}};
+constexpr Switch<Layers> kNames[] = {
+    {"variance", &Layers::variance}, {"weight", &Layers::weight}, {"count", &Layers::count},   {"noisy", &Layers::noisy},
+    {"lights", &Layers::lights},     {"albedo", &Layers::albedo}, {"normal", &Layers::normal}, {"depth", &Layers::depth},
+    {"position", &Layers::position}, {"id", &Layers::id}};
 
 }  // namespace
 
@@ -58,11 +59,15 @@ std::vector<std::string> RowLayout::names(const std::vector<std::string>& channe
     const auto add = [&](std::string_view layer) {
         for (const std::string& name : channel_names) all.push_back(fmt::format("{}.{}", layer, name));
     };
+    if (layers.noisy) add("noisy");
     if (layers.variance) add("variance");
     if (layers.weight) all.emplace_back("weight");
     if (layers.count) all.emplace_back("count");
     if (layers.halves) add("half0"), add("half1");
-    for (const std::string& light : lights) add("light." + light);
+    for (const std::string& light : lights) {
+        add("light." + light);
+        if (layers.halves) add("half0.light." + light), add("half1.light." + light);
+    }
     const auto add_aov = [&](bool wanted, std::initializer_list<const char*> names) {
         if (wanted) all.insert(all.end(), names.begin(), names.end());
     };

@@ -13,6 +13,7 @@
 namespace latent::develop {
 
 struct Layers {
+    bool noisy = false;     // the picture before noise is removed
     bool variance = false;  // of the camera image: the square of its standard error
     bool weight = false;    // sum w c
     bool count = false;     // samples that reach the pixel
@@ -24,13 +25,13 @@ struct Layers {
     bool samples = false;                // no layer, but records of one sample become one, of light images too
 
     bool aovs() const { return albedo || normal || depth || position || id || !columns.empty(); }
-    bool any() const { return variance || weight || count || halves || lights || aovs(); }
+    bool any() const { return noisy || variance || weight || count || halves || lights || aovs(); }
     bool by_sample() const { return variance || count || samples; }  // camera records of one sample count as one
     bool operator==(const Layers&) const = default;
 };
 
-// "variance,weight,count,lights,albedo,normal,depth,position,id", in any order; any other name is that of a column. Errors: kUsage.
-// Halves are an option of their own.
+// "noisy,variance,weight,count,lights,albedo,normal,depth,position,id", in any order; any other name is that of a column. Errors:
+// kUsage. Halves are an option of their own.
 Result<Layers> parse_layers(std::string_view text);
 
 // Either half of the samples, 0 or 1: the lowest bit of h(n) = mix(n / 2) + n mod 2^64, with the finaliser of [SplitMix64]. Of two
@@ -73,8 +74,8 @@ inline void add_sums(const EntryCounts& entries, const double* from, double* to,
 
 // Where things stand in a row of `channels` values s with their share c, which divides them; with the ratio estimator, each has a
 // divisor d of its own:
-//   s.. c [d..] 0..  [the same for half 0]  [s.. 0.. for each group of lights]  [AOVs, times c]  [s^2.. s c.. c^2 0..] or [s^2.. s
-//   d.. d^2.. 0..]  [1 0 0 0] [1 object material 0]
+//   s.. c [d..] 0..  [the same for half 0]  [s.. 0.. [the same for half 0] for each group of lights]  [AOVs, times c]  [s^2.. s c..
+//   c^2 0..] or [s^2.. s d.. d^2.. 0..]  [1 0 0 0] [1 object material 0]
 struct RowLayout {
     int channels = 3;
     Layers layers;
@@ -88,8 +89,10 @@ struct RowLayout {
     int linear() const { return (filled() + 3) / 4 * 4; }
     int half() const { return linear(); }  // where half 0 begins
     int light(std::size_t group) const { return linear() * (layers.halves ? 2 : 1) + static_cast<int>(group) * light_entries(); }
-    int light_entries() const { return (channels + 3) / 4 * 4; }  // of each group: a record adds to one of them, in whole vectors
-    int albedo() const { return light(lights.size()); }           // x, y, z
+    int light_half(std::size_t group) const { return light(group) + light_values(); }
+    int light_values() const { return (channels + 3) / 4 * 4; }  // a record adds to those of one group, in whole vectors
+    int light_entries() const { return light_values() * (layers.halves ? 2 : 1); }
+    int albedo() const { return light(lights.size()); }  // x, y, z
     int normal() const { return albedo() + (layers.albedo ? 3 : 0); }
     int depth() const { return normal() + (layers.normal ? 3 : 0); }   // and 1 where there is any
     int position() const { return depth() + (layers.depth ? 2 : 0); }  // and 1 where there is any
@@ -109,14 +112,18 @@ struct RowLayout {
         return least;
     }
 
-    // Values of a finished pixel: channels, [variances], [weight], [count], [half 0], [half 1], [groups of lights], [AOVs].
+    // Values of a finished pixel: channels, [the same], [variances], [weight], [count], [half 0], [half 1],
+    // [group of lights, [half 0], [half 1]].., [AOVs].
     int outputs() const {
-        return channels * (1 + (layers.variance ? 1 : 0) + (layers.halves ? 2 : 0) + static_cast<int>(lights.size())) +
+        const int with_halves = layers.halves ? 3 : 1;
+        return channels *
+                   ((layers.noisy ? 1 : 0) + (layers.variance ? 1 : 0) + with_halves * (1 + static_cast<int>(lights.size()))) +
                (layers.weight ? 1 : 0) + (layers.count ? 1 : 0) + (layers.albedo ? 3 : 0) + (layers.normal ? 3 : 0) +
                (layers.depth ? 1 : 0) + (layers.position ? 3 : 0) + (layers.id ? 2 : 0) + static_cast<int>(layers.columns.size());
     }
-    // Their names in an EXR: those of the channels, "variance.R", "weight", "count", "half0.R", "half1.R", "light.lamp.R",
-    // "albedo.R", "N.X", "Z", "P.X", "id.object", "id.material", then columns by their names, "extra.NAME" where the name is taken.
+    // Their names in an EXR: those of the channels, "noisy.R", "variance.R", "weight", "count", "half0.R", "half1.R",
+    // "light.lamp.R", "half0.light.lamp.R", "half1.light.lamp.R", "albedo.R", "N.X", "Z", "P.X", "id.object", "id.material", then
+    // columns by their names, "extra.NAME" where the name is taken.
     std::vector<std::string> names(const std::vector<std::string>& channel_names) const;
 };
 

@@ -75,7 +75,9 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
         return enough && camera[layout.divisor(c)] > 0 ? 1 / camera[layout.divisor(c)] : 0;
     };
     const auto camera_value = [&](int c) { return camera ? camera[c] * per_divisor(c) : 0; };
-    for (int c = 0; c < n; ++c) put(camera_value(c) + (light ? light[c] * row.light_scale[i] : 0));
+    for (int time = 0; time < (layout.layers.noisy ? 2 : 1); ++time) {
+        for (int c = 0; c < n; ++c) put(camera_value(c) + (light ? light[c] * row.light_scale[i] : 0));
+    }
     for (int c = 0; c < n && layout.layers.variance; ++c) {
         // sum over samples of (w (s - c C))^2, which rounding must not make negative
         const double value = camera_value(c);
@@ -87,21 +89,28 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
     }
     if (layout.layers.weight) put(weight);
     if (layout.layers.count) put(camera ? camera[layout.counter()] : 0);
-    for (int half = 0; half < 2 && layout.layers.halves; ++half) {
-        const auto sum_of = [&](const double* sums, int entry) {
-            const double first = sums[layout.half() + entry];
-            return half == 0 ? first : sums[entry] - first;
-        };
-        for (int c = 0; c < n; ++c) {
-            const double divisor = camera ? sum_of(camera, layout.divisor(c)) : 0;
-            const double from_camera = divisor > 0 && divisor >= 0.5 * row.min_weight[i] ? sum_of(camera, c) / divisor : 0;
-            put(from_camera + (light ? sum_of(light, c) * row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)] : 0));
+    // Both halves of sums whose values begin at `whole`, and those of half 0 at `first`.
+    const auto put_halves = [&](int whole, int first) {
+        for (int half = 0; half < 2 && layout.layers.halves; ++half) {
+            const auto sum_of = [half](const double* sums, int all, int of_first) {
+                return half == 0 ? sums[of_first] : sums[all] - sums[of_first];
+            };
+            for (int c = 0; c < n; ++c) {
+                const int entry = layout.divisor(c);
+                const double divisor = camera ? sum_of(camera, entry, layout.half() + entry) : 0;
+                const bool counts = divisor > 0 && divisor >= 0.5 * row.min_weight[i];
+                const double from_camera = counts ? sum_of(camera, whole + c, first + c) / divisor : 0;
+                const double scale = row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)];
+                put(from_camera + (light ? sum_of(light, whole + c, first + c) * scale : 0));
+            }
         }
-    }
+    };
+    put_halves(0, layout.half());
     for (std::size_t group = 0; group < layout.lights.size(); ++group) {
         const int first = layout.light(group);
         for (int c = 0; c < n; ++c)
             put((camera ? camera[first + c] * per_divisor(c) : 0) + (light ? light[first + c] * row.light_scale[i] : 0));
+        put_halves(first, layout.light_half(group));
     }
     if (layout.layers.aovs()) finish_aovs(layout, enough ? camera : nullptr, out);
     return enough;

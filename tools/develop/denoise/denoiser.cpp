@@ -92,7 +92,8 @@ struct Channel {
 
 class Denoiser {
  public:
-    Denoiser(const DenoisedValues& values, const PixelRect& held, std::span<const float> pixels, const PixelRect& wanted)
+    Denoiser(const DenoisedValues& values, const DenoisedValues::Part& part, const PixelRect& held, std::span<const float> pixels,
+             const PixelRect& wanted)
         : held_(held), wanted_(wanted), weights_(wanted, 1) {
         const auto plane = [&](std::size_t place) {
             return plane_of(held, pixels, values.outputs, [place](const float* pixel) {
@@ -102,10 +103,11 @@ class Denoiser {
         const PixelRect compared = intersection(grown(wanted, kRadius + kPatch), held);
         for (std::size_t c = 0; c < values.channels; ++c) {
             const Plane squares = plane_of(held, pixels, values.outputs, [&, c](const float* pixel) {
-                const float error = (pixel[values.half0 + c] - pixel[values.half1 + c]) * 0.5f;
+                const float error = (pixel[part.half0 + c] - pixel[part.half1 + c]) * 0.5f;
                 return error * error;
             });
-            channels_.push_back({plane(c), means_around(squares, compared, kVarianceRadius), Plane(wanted), Plane(wanted)});
+            channels_.push_back(
+                {plane(part.value + c), means_around(squares, compared, kVarianceRadius), Plane(wanted), Plane(wanted)});
             Channel& channel = channels_.back();
             for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
                 std::copy(channel.value.row(y) + wanted.x0, channel.value.row(y) + wanted.x1, channel.sum.row(y) + wanted.x0);
@@ -226,10 +228,16 @@ DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
         if (at == names.end()) return std::nullopt;
         return static_cast<std::size_t>(at - names.begin());
     };
-    const std::optional<std::size_t> half0 = place("half0." + names.front()), half1 = place("half1." + names.front());
-    assert(half0 && half1);
-    values.half0 = *half0, values.half1 = *half1;
-    values.channels = *half1 - *half0;
+    const auto part_of = [&](const std::string& first) {
+        const auto value = place(first), half0 = place("half0." + first), half1 = place("half1." + first);
+        assert(value && half0 && half1);
+        return Part{*value, *half0, *half1};
+    };
+    values.picture = part_of(names.front());
+    values.channels = values.picture.half1 - values.picture.half0;
+    for (const std::string& name : names) {
+        if (name.starts_with("light.") && name.ends_with("." + names.front())) values.lights.push_back(part_of(name));
+    }
     values.albedo = place("albedo.R");
     values.normal = place("N.X");
     values.depth = place("Z");
@@ -239,21 +247,35 @@ DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
 
 std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
                            const PixelRect& wanted) {
-    const Denoiser denoiser(values, held, pixels, wanted);
     const auto share = static_cast<float>(amount);
     std::vector<float> out;
     out.reserve(static_cast<std::size_t>(wanted.width() * wanted.height()) * values.outputs);
     for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
-        for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) {
-            const auto first = static_cast<std::size_t>((y - held.y0) * held.width() + x - held.x0) * values.outputs;
-            out.insert(out.end(), pixels.begin() + static_cast<std::ptrdiff_t>(first),
-                       pixels.begin() + static_cast<std::ptrdiff_t>(first + values.outputs));
-            float* const pixel = out.data() + out.size() - values.outputs;
-            for (std::size_t c = 0; c < values.channels; ++c) {
-                pixel[c] = denoiser.value(c, x, y, share);
-                if (values.variance) pixel[*values.variance + c] = denoiser.variance(c, x, y, share);
+        const auto first = static_cast<std::size_t>((y - held.y0) * held.width() + wanted.x0 - held.x0) * values.outputs;
+        const std::span<const float> row = pixels.subspan(first, static_cast<std::size_t>(wanted.width()) * values.outputs);
+        out.insert(out.end(), row.begin(), row.end());
+    }
+    const auto for_each_value = [&](const auto& change) {
+        float* pixel = out.data();
+        for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
+            for (std::int64_t x = wanted.x0; x < wanted.x1; ++x, pixel += values.outputs) {
+                for (std::size_t c = 0; c < values.channels; ++c) change(c, x, y, pixel);
             }
         }
+    };
+    const std::vector<DenoisedValues::Part> parts = values.lights.empty() ? std::vector{values.picture} : values.lights;
+    for (const DenoisedValues::Part& part : parts) {
+        const Denoiser denoiser(values, part, held, pixels, wanted);
+        const bool is_first = part.value == parts.front().value;
+        for_each_value([&](std::size_t c, std::int64_t x, std::int64_t y, float* pixel) {
+            const float value = denoiser.value(c, x, y, share);
+            pixel[part.value + c] = value;
+            if (part.value != values.picture.value) pixel[c] = is_first ? value : pixel[c] + value;
+            if (!values.variance) return;
+            const float variance = denoiser.variance(c, x, y, share);
+            float& sum = pixel[*values.variance + c];
+            sum = is_first ? variance : sum + variance;
+        });
     }
     return out;
 }

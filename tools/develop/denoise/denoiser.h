@@ -15,8 +15,13 @@ namespace latent::develop {
 
 // Where things stand among the values of a pixel: the first of each.
 struct DenoisedValues {
+    // Values that noise is removed from, and what either half says of them.
+    struct Part {
+        std::size_t value, half0, half1;
+    };
     std::size_t outputs = 0, channels = 0;
-    std::size_t half0 = 0, half1 = 0;
+    Part picture{};
+    std::vector<Part> lights{};                              // whose sum is the picture; none: it is denoised itself
     std::optional<std::size_t> albedo{}, normal{}, depth{};  // three, three and one
     std::optional<std::size_t> variance{};                   // becomes that of the denoised picture
 

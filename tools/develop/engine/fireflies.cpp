@@ -21,7 +21,10 @@ void dim_row(const RowLayout& layout, float factor, float* row) {
     for (int c = 0; c < at.channels; ++c) {
         row[c] *= factor;
         if (at.layers.halves) row[at.half() + c] *= factor;
-        for (std::size_t group = 0; group < at.lights.size(); ++group) row[at.light(group) + c] *= factor;
+        for (std::size_t group = 0; group < at.lights.size(); ++group) {
+            row[at.light(group) + c] *= factor;
+            if (at.layers.halves) row[at.light_half(group) + c] *= factor;
+        }
         if (at.layers.variance) row[at.squares() + c] *= factor * factor, row[at.products() + c] *= factor;
     }
 }

@@ -21,6 +21,7 @@
 #include "tools/develop/lens/refocused.h"
 #include "tools/develop/picture/denoised_picture.h"
 #include "tools/develop/picture/exr_picture.h"
+#include "tools/develop/picture/oidn_picture.h"
 
 namespace latent::develop {
 
@@ -199,7 +200,9 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
                                                                 : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();
-    Layers layers = options.layers;
+    Layers stored = options.layers;
+    if (!options.for_oidn.empty()) add_surface(job, stored);
+    Layers layers = stored;
     layers.samples = options.dim_fireflies;
     if (!(options.denoise >= 0 && options.denoise <= 1))
         return usage_error(fmt::format("--denoise={:g}: choose from 0, as it is, to 1, without noise", options.denoise));
@@ -250,9 +253,9 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     settings.stopped = options.stopped;
     settings.temporary_folder = options.output.empty() ? std::filesystem::temp_directory_path() : folder_of(options.output);
 
-    RowLayout stored = channels->layout();
-    stored.layers = options.layers;
-    report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) * static_cast<std::uint64_t>(stored.outputs()) *
+    RowLayout layout = channels->layout();
+    layout.layers = stored;
+    report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) * static_cast<std::uint64_t>(layout.outputs()) *
                         sizeof(float) * (options.mipmap ? 4 : 3) / 3;
     report.memory_for_all = memory_for_all(run_set, *channels);
     image::ExrTileSpec spec = exr_spec(options, report, settings.crop, job, *chosen, channels->layout());
@@ -563,6 +566,10 @@ Result<PictureReport> develop_picture(const PictureOptions& options, const sampl
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
+    if (!options.for_oidn.empty()) {
+        OidnPicture pictures(options.for_oidn, options.replace);
+        return develop_picture(options, pictures, progress);
+    }
     ExrPicture picture(options.output, options.replace);
     return develop_picture(options, picture, progress);
 }

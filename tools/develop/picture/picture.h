@@ -22,8 +22,9 @@ namespace latent::develop {
 
 struct PictureOptions {
     std::vector<std::filesystem::path> inputs;
-    std::filesystem::path output;  // the EXR; "": none, and temporary files go where the system has room for them
-    std::string size;              // "4096x2731", "4096" (height from the film), "" (default_size)
+    std::filesystem::path output;    // the EXR; "": none, and temporary files go where the system has room for them
+    std::filesystem::path for_oidn;  // prefix of files that are written instead: oidn_picture.h
+    std::string size;                // "4096x2731", "4096" (height from the film), "" (default_size)
     std::optional<PixelRect> crop;
     std::string filter = Filter::standard().name();
     ObserverOptions observer;
