@@ -165,6 +165,30 @@ def world_color():
 
 
 @feature(1)
+def world_of_light_alone():
+    """One sky lights the scene, another one is what the camera would see."""
+    lit_floor()
+    tree, background = sky(0.7, (0.8, 0.5, 0.3, 1))
+    path, seen, choice = (tree.nodes.new(f"ShaderNode{name}") for name in ("LightPath", "Background", "MixShader"))
+    seen.inputs["Color"].default_value = (0, 0, 5, 1)
+    for source, target in ((path.outputs["Is Camera Ray"], choice.inputs[0]), (background.outputs[0], choice.inputs[1]), (seen.outputs[0], choice.inputs[2]),
+                           (choice.outputs[0], tree.nodes["World Output"].inputs["Surface"])):
+        tree.links.new(source, target)
+
+
+@feature(1)
+def world_baked_of_light_alone():
+    """The same within a node that is baked."""
+    lit_floor()
+    tree, background = sky(0.7)
+    path, choice, ramp = (tree.nodes.new(f"ShaderNode{name}") for name in ("LightPath", "MixRGB", "TexGradient"))
+    choice.inputs[2].default_value = (0, 0, 5, 1)
+    tree.links.new(path.outputs["Is Camera Ray"], choice.inputs[0])
+    tree.links.new(ramp.outputs["Color"], choice.inputs[1])
+    tree.links.new(choice.outputs[0], background.inputs["Color"])
+
+
+@feature(1)
 def world_sky():
     lit_floor()
     tree, background = sky(0.1)
@@ -298,6 +322,16 @@ def motion_of_an_object():
     sky(0.2)
     move(ball(diffuse(0.8), 0.4), (1, (-1, 0, 0)), (3, (1, 0, 0.5)))
     bpy.context.scene.render.use_motion_blur, bpy.context.scene.render.motion_blur_shutter = True, 0.5
+
+
+@feature(1)
+def motion_of_one_of_two_objects():
+    in_front(5)
+    sky(0.2)
+    for side in (-0.6, 0.6):
+        move(ball(diffuse(0.8), 0.4), (1, (-1, 0, side)), (3, (1, 0, side)))
+    bpy.context.object.cycles.use_motion_blur = False
+    bpy.context.scene.render.use_motion_blur = True
 
 
 @feature(1)
@@ -439,6 +473,25 @@ def glossy_rough():
     made, _, node = material("BsdfGlossy", Color=(0.9, 0.6, 0.3, 1), Roughness=0.4)
     node.distribution = "GGX"
     on_show(made)
+
+
+def drawn(of):
+    """A ball whose highlight is a line."""
+    ball(of)
+    in_front(4.6)
+    lamp("SUN", 2, angle=0.1, rotation=(0.8, 0.3, 0))
+
+
+@feature(5, kind="ball")
+def glossy_highlight_drawn():
+    made, _, node = material("BsdfAnisotropic", Color=(0.9, 0.9, 0.9, 1), Roughness=0.3, Anisotropy=0.6, Rotation=0.1)
+    node.distribution = "GGX"
+    drawn(made)
+
+
+@feature(5, kind="ball")
+def principled_highlight_drawn():
+    drawn(principled(Base_Color=(0.9, 0.9, 0.9, 1), Metallic=1.0, Roughness=0.4, Anisotropic=0.8)[0])
 
 
 @feature(2, kind="ball")

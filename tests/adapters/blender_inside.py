@@ -159,7 +159,29 @@ world_tree.links.new(math_node.outputs[0], mixed.inputs[0])
 render()
 check("also where Cycles bakes it", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), picture().mean((0, 1)))
 world_tree.links.new(sky.outputs[0], world_end)
+group, ends = bpy.data.node_groups.new("seen", "ShaderNodeTree"), world_tree.nodes.new("ShaderNodeGroup")
+if hasattr(group, "interface"):
+    group.interface.new_socket("Value", in_out="OUTPUT", socket_type="NodeSocketFloat")
+else:
+    group.outputs.new("NodeSocketFloat", "Value")
+group.links.new(group.nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], group.nodes.new("NodeGroupOutput").inputs[0])
+ends.node_tree = group
+colors = world_tree.nodes.new("ShaderNodeMixRGB")
+colors.blend_type, colors.inputs[0].default_value, colors.inputs[1].default_value = "ADD", 1, sky.inputs["Color"].default_value
+world_tree.links.new(ends.outputs[0], math_node.inputs[0])
+world_tree.links.new(path.outputs["Is Camera Ray"], colors.inputs[2])
+for value, target in ((math_node.outputs[0], mixed.inputs[0]), (colors.outputs[0], sky.inputs["Color"]), (mixed.outputs[0], world_end)):
+    world_tree.links.new(value, target)
+render()
+check("and where it is a colour, or in a group", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), picture().mean((0, 1)))
 world_tree.nodes.remove(path)
+for node in (colors, mixed, dark):
+    world_tree.nodes.remove(node)
+world_tree.links.new(math_node.outputs[0], sky.inputs["Strength"])
+world_tree.links.new(sky.outputs[0], world_end)
+render()
+check("one in a group is listed", any("Light Path" in line for line in engine.last["lost"]), engine.last["lost"])
+world_tree.nodes.remove(math_node)
 
 # What is no number is left out by name; what changes its shape or does not move by request, too.
 bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, 1))
@@ -167,12 +189,27 @@ broken = bpy.context.object
 broken.name = "Broken"
 broken.data.vertices[0].co.x = float("nan")
 broken.data.update()
+broken.data.materials.append(floor)
+bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, 1))
+flat = bpy.context.object
+flat.name = "Flat"
+flat.data.uv_layers[0].data[0].uv.x = float("nan")
+textured = bpy.data.materials.new("textured")
+textured.use_nodes = True
+lookup = textured.node_tree.nodes.new("ShaderNodeTexImage")
+lookup.image = bpy.data.images.new("even", 4, 4)
+textured.node_tree.links.new(lookup.outputs["Color"], textured.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+flat.data.materials.append(textured)
+bpy.ops.object.light_add(type="POINT")
+faint = bpy.context.object
+faint.name, faint.data.energy = "Faint", float("nan")
 scene.cycles.film_exposure = 2.0
 render()
 said = engine.last["lost"]
-check("a mesh of no numbers is left out by name", any("object Broken" in line for line in said) and np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), said)
+check("what has no numbers is left out by name", all(any(name in line for line in said) for name in ("object Broken", "object Flat", "lamp Faint")) and np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), said)
 check("the exposure of the film is listed", any("exposure" in line for line in said), said)
-bpy.data.objects.remove(broken)
+for owner in (broken, flat, faint):
+    bpy.data.objects.remove(owner)
 scene.cycles.film_exposure = 1.0
 bpy.ops.mesh.primitive_cube_add(size=1, location=(100, 0, 1))
 cube = bpy.context.object

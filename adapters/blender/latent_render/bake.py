@@ -11,15 +11,20 @@ import bpy
 import numpy as np
 
 
+def light_path_is_0():
+    """For what lights the scene, not what the camera sees."""
+    for tree in (*(of.node_tree for of in (*bpy.data.worlds, *bpy.data.materials) if of.node_tree), *bpy.data.node_groups):
+        zero = tree.nodes.new("ShaderNodeValue").outputs[0]
+        zero.default_value = 0
+        for target in [link.to_socket for link in tree.links if link.from_node.type == "LIGHT_PATH"]:
+            tree.links.new(zero, target)
+
+
 def bake_world(job):
     with bpy.data.libraries.load(job["library"]) as (there, here):
         here.worlds = [job["world"]]
     scene = bpy.context.scene
-    for tree in (here.worlds[0].node_tree, *bpy.data.node_groups):  # what lights the scene, not what the camera sees
-        for link in [link for link in tree.links if link.from_node.type == "LIGHT_PATH"]:
-            target = link.to_socket
-            tree.links.remove(link)
-            target.default_value = 0
+    light_path_is_0()
     for thing in list(scene.objects):
         bpy.data.objects.remove(thing)
     scene.world = here.worlds[0]
@@ -47,6 +52,7 @@ def bake_nodes(job):
     owner.hide_render = False
     bpy.context.view_layer.objects.active = owner
     owner.select_set(True)
+    light_path_is_0()
     scene.render.engine, scene.render.bake.margin = "CYCLES", 4
     scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 16, False
     for node, output, path in job["tasks"]:

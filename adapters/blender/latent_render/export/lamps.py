@@ -62,6 +62,9 @@ def export(owner, pose, name, report, files, radius_of_scene, center, sees):
     lamp = owner.data
     settings, lost = lamp.latent, report.of(f"lamp {owner.name}")
     color, profile = strength(lamp, report)
+    if not np.isfinite([lamp.energy, *color, *np.ravel(pose)]).all():
+        lost("is left out: its light or its place is no number")
+        return []
     if lamp.energy == 0 or max(color) <= 0:
         return []
     if lamp.energy < 0 or min(color) < 0:

@@ -93,9 +93,6 @@ class Corners:
 
 def export(corners, slot_count, places_of, folder, lost):
     """Files in `folder` for the materials that are used: [(slot, name)]. `places_of(slot)`: texture coordinates that are wanted."""
-    if not np.isfinite(corners.positions).all():
-        lost("is left out: the positions of its vertices are no numbers")
-        return []
     written = []
     slots = np.clip(corners.materials, 0, max(0, slot_count - 1))
     for slot in np.unique(slots):
@@ -108,6 +105,10 @@ def export(corners, slot_count, places_of, folder, lost):
         if places.color is not None and columns["colors"] is None:
             lost(f"colour attribute {places.color} is missing")
         columns = {name: column for name, column in columns.items() if column is not None}
+        broken = [name for name, (data, _) in columns.items() if not np.isfinite(data).all()]
+        if broken:
+            lost(f"is left out: some of its {' and '.join(broken)} are no numbers")
+            return []
         if any(of_corners for _, of_corners in columns.values()):
             at, loop = triangles.ravel(), loops.ravel()
             own = [data[loop] for data, of_corners in columns.values() if of_corners]

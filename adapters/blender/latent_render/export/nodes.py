@@ -54,6 +54,14 @@ def define(document, kind, value):
     return document.texture(kind, value.kind, {**value.parameters, **inputs})
 
 
+def all_nodes(tree):
+    """Those of its groups, too."""
+    for node in tree.nodes:
+        yield node
+        if getattr(node, "node_tree", None):
+            yield from all_nodes(node.node_tree)
+
+
 class NoSurface:
     """In place of `places`, of a lamp, a world or a volume."""
 

@@ -1,7 +1,7 @@
 """The world: a colour, a picture in longitude and latitude, or anything else, which Cycles bakes to such a picture."""
 import numpy as np
 
-from .nodes import Graph, is_constant
+from .nodes import Graph, all_nodes, is_constant
 from .pbrt import directive, matrix
 from .pictures import ENCODINGS, Places
 from .report import Unknown
@@ -30,12 +30,12 @@ def export(world, files, portals, report, bake):
     found = graph.source(output.inputs["Surface"])
     if not found:
         return []
-    if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in world.node_tree.nodes):
+    if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in all_nodes(world.node_tree)):
         lost("all of its Light Path is 0: the camera, too, sees what lights the scene")
     try:
         return simple(found[0], graph, files, portals, common)
     except Unknown:
-        if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in world.node_tree.nodes):
+        if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in all_nodes(world.node_tree)):
             lost("the sun of its Sky Texture is as coarse as the baked picture; a Sun lamp is exact")
         path = bake(world)
         if path is None:
