@@ -36,6 +36,11 @@ class Corners:
             corners, name = mesh.loops, "normal"
         if domain == "POINT":
             return read(mesh.vertices, "normal", 3), False
+        if domain == "CORNER" and name == "vector" and "sharp_edge" not in mesh.attributes and not mesh.has_custom_normals:
+            # Only some faces are flat: as in 3.4, Cycles takes the normals of vertices for the others.
+            of_face = np.repeat(np.arange(len(mesh.polygons)), read(mesh.polygons, "loop_total", 1, np.int32))
+            smooth, at = read(mesh.polygons, "use_smooth", 1, bool)[of_face, None], read(mesh.loops, "vertex_index", 1, np.int32)
+            return np.where(smooth, read(mesh.vertices, "normal", 3)[at], read(mesh.polygons, "normal", 3)[of_face]), True
         return (read(corners, name, 3), True) if domain == "CORNER" else None
 
     def uv_map(self, name):
