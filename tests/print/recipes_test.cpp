@@ -29,7 +29,7 @@ TEST(Recipes, HoldAllOptionsButThoseThatDecideNothingAboutThePicture) {
     convert::add_arguments(convert, print);
     // Files, reports, limits, and what is done where something is in the way.
     EXPECT_EQ(names_of(develop),
-              (std::set<std::string>{"--help", "FILE", "--output", "--recipe", "--budget", "--simd", "--ignore-space",
+              (std::set<std::string>{"--help", "FILE", "--output", "--for-oidn", "--recipe", "--budget", "--simd", "--ignore-space",
                                      "--skip-duplicates", "--job", "--samples", "--list-films", "--list-observers"}));
     EXPECT_EQ(names_of(convert), (std::set<std::string>{"--help", "IMAGE", "--output", "--recipe", "--compare", "--gamut-report",
                                                         "--list-observers", "--list-papers", "--list-looks"}));

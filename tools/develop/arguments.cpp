@@ -220,17 +220,15 @@ void add_inputs(CLI::App& app, PictureOptions& options) {
 CLI::App& add_arguments(CLI::App& app, PictureOptions& options) {
     app.footer(kHelp);
     add_inputs(app, options);
-    app.add_option("-o,--output", options.output, "picture to write")
-        ->check(
-            cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
+    auto* output = app.add_option("-o,--output", options.output, "picture to write");
+    output->check(
+        cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
     CLI::App& decisions = add_decisions(app, options);
-    auto* oidn = app.add_option("--for-oidn", options.for_oidn,
-                                "write the files that Open Image Denoise takes, instead of an EXR: PREFIX.hdr.pfm, and, of files "
-                                "rendered with --aov albedo,normal, PREFIX.alb.pfm and PREFIX.nrm.pfm")
-                     ->type_name("PREFIX");
-    for (const char* other : {"--layers", "--halves", "--denoise", "--mipmap", "--compression", "--frames"})
-        oidn->excludes(decisions.get_option(other));
-    oidn->excludes(app.get_option("--output"));
+    app.add_option("--for-oidn", options.for_oidn,
+                   "write the files that Open Image Denoise takes, instead of an EXR: PREFIX.hdr.pfm, and, of files "
+                   "rendered with --aov albedo,normal, PREFIX.alb.pfm and PREFIX.nrm.pfm")
+        ->type_name("PREFIX")
+        ->excludes(output);
     cli::add_recipe(app);
     cli::add_duration(app, "--budget", options.budget_seconds, "preview: time to spend; develops as many runs as it allows")
         ->excludes(decisions.get_option("--fraction"));

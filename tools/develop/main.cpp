@@ -26,6 +26,10 @@ int main(int argc, char** argv) try {
         ->excludes(app.get_option("--frames"));
     cli::add_common(app, common, true);
     app.parse_complete_callback([&] {
+        const bool is_more = options.layers.any() || options.denoise > 0 || options.mipmap || options.zip || options.frames > 1;
+        if (!options.for_oidn.empty() && is_more)
+            throw CLI::ValidationError("--for-oidn",
+                                       "does not go with --layers, --halves, --denoise, --mipmap, --compression or --frames");
         if (!options.for_oidn.empty()) options.output = develop::OidnPicture::colour_of(options.for_oidn);
         if (!options.output.empty()) return;
         if (!dry_run) throw CLI::RequiredError("--output or --for-oidn");
