@@ -199,9 +199,15 @@ CLI::App& add_decisions(CLI::App& app, PictureOptions& options) {
                      "also store the picture of each half of the samples; their difference shows the noise");
     section.add_flag("--dim-fireflies", options.dim_fireflies,
                      "dim samples that are far brighter than all others around them; the report gives the light that is lost");
-    section.add_flag("--denoise{1}", options.denoise,
-                     "remove noise, with the help of the layers albedo, normal and depth if the files have them; --denoise=0.5 "
-                     "removes half of it");
+    const auto none = [](std::string& amount) {  // CLI11 makes -1 of 0 and of false
+        if (amount == "-1" || amount == "false" || amount == "0") amount = "0.0";
+        return std::string();
+    };
+    section
+        .add_flag("--denoise{1}", options.denoise,
+                  "remove noise, with the help of the layers albedo, normal and depth if the files have them; --denoise=0.5 "
+                  "removes half of it")
+        ->transform(CLI::Validator(none, ""));
     cli::add_choice<bool>(section, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
     return section;
 }
