@@ -292,7 +292,7 @@ TEST(SceneRefusals, WhatIsNotReadIsListedAndNamed) {
         EXPECT_THAT(list, HasSubstr(kind + (names.empty() ? " " : " " + names + ": ") + why));
         std::istringstream words(names.empty() ? "nothing" : names);
         for (std::string word; words >> word;) {
-            SCOPED_TRACE(kind + " " + word);
+            SCOPED_TRACE(fmt::format("{} {}", kind, word));
             const auto pbrt = [&](const std::string& text) { EXPECT_THAT(said("a.pbrt", text, of.is_harmless), HasSubstr(why)); };
             const std::string value = word == "sensor" ? " \"string sensor\" \"x\"\n"
                                       : word == "iso"  ? " \"float iso\" 1\n"
