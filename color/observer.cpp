@@ -45,6 +45,8 @@ Result<Observer> Observer::from_table(ResponseTable table) {
         camera ? std::array{eye / seen.x, eye / seen.y, eye / seen.z} : std::array{eye / seen.y, eye / seen.y, eye / seen.y};
     for (auto& response : observer.response_) {
         for (int c = 0; c < 3; ++c) response[c] *= scale[c];
+        if (std::ranges::any_of(response, [](double r) { return !std::isfinite(r); }))
+            return Error{ErrorCode::kOutOfRange, "the responses to daylight are too small beside others, or beside 1"};
     }
     if (camera) {
         observer.sensitivity_ = {seen.x / seen.y, 1, seen.z / seen.y};

@@ -46,7 +46,8 @@ class Observer {
     static Result<Observer> from_csv(std::string_view text, std::string name);
 
     // Brought to the scale of the CIE observers, so that exposures compare: D65 of Y = 1 (CIE 1931) gives 1 in the second curve of
-    // an eye and of a film, and (1, 1, 1) with a camera. Errors: kOutOfRange if a curve does not respond to daylight.
+    // an eye and of a film, and (1, 1, 1) with a camera. Errors: kOutOfRange if a curve does not respond to daylight, or far
+    // less than others.
     static Result<Observer> from_table(ResponseTable table);
     // At the scale that the table has.
     static Observer as_given(ResponseTable table) { return Observer(std::move(table)); }
