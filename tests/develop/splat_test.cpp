@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 #include <random>
 
 #include "tests/develop/developed.h"
@@ -14,23 +16,36 @@ namespace {
 constexpr std::size_t kSide = 64;  // pixels of a cell
 constexpr int kLanes = 4;
 
-// Records of one cell in segments of odd lengths.
+// Records of one cell, and segments that hold them.
 struct SplatRecords {
     std::vector<std::uint32_t> x, y;
     std::vector<float> values;
+    std::vector<std::byte> memory;
     std::vector<Segment> segments;
-    RecordColumns columns() const { return {x.data(), y.data(), values.data()}; }
+
+    // Cut into segments of so many records, one after the other; the last is as short as it must be.
+    void cut(const std::function<std::size_t(std::size_t segment)>& length) {
+        memory.assign(SegmentColumns::bytes(x.size(), kLanes) + Segment::kReadable, std::byte{0xFF});
+        segments.clear();
+        for (std::size_t first = 0, n = 0; first < x.size(); first += n) {
+            n = std::min(length(segments.size()), x.size() - first);
+            segments.push_back({0, memory.data() + SegmentColumns::bytes(first, kLanes), static_cast<std::uint32_t>(n)});
+            const SegmentColumns to = segments.back().columns();
+            std::copy_n(x.data() + first, n, to.x);
+            std::copy_n(y.data() + first, n, to.y);
+            std::copy_n(values.data() + kLanes * first, kLanes * n, to.values);
+        }
+    }
 };
 SplatRecords make_records(std::size_t count) {
     std::mt19937 random(11);
     SplatRecords records;
-    for (std::size_t i = 0; i < count + RecordColumns::kReadable; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         records.x.push_back(static_cast<std::uint32_t>(random() % (kSide << 24)));
         records.y.push_back(static_cast<std::uint32_t>(random() % (kSide << 24)));
         for (int c = 0; c < kLanes; ++c) records.values.push_back(std::ldexp(static_cast<float>(random()), -31) - 0.7f);
     }
-    for (std::uint32_t first = 0, n = 1; first < count; first += n, n = n % 201 + 7)
-        records.segments.push_back({0, first, std::min<std::uint32_t>(n, static_cast<std::uint32_t>(count) - first)});
+    records.cut([](std::size_t segment) { return segment % 3 == 0 ? 1 + 31 * segment % 201 : 1 + segment % 5; });
     return records;
 }
 
@@ -38,14 +53,14 @@ std::size_t window_side(const Filter& filter) { return kSide + static_cast<std::
 
 std::vector<double> window_of(const Filter& filter, Weights weights, const SplatRecords& records) {
     std::vector<double> window(window_side(filter) * window_side(filter) * kLanes);
-    splat(filter.kernel(), kLanes, weights, records.columns(), records.segments, window.data(), window_side(filter));
+    splat(filter.kernel(), kLanes, weights, records.segments, window.data(), window_side(filter));
     return window;
 }
 
 TEST(Splat, SumsAreThoseOfTheDefinitionAndCutSegmentsChangeNone) {
     const SplatRecords records = make_records(3000);
     SplatRecords whole = records;
-    whole.segments = {{0, 0, 3000}};
+    whole.cut([](std::size_t) { return 3000; });
     for (const char* name : kFilters) {
         const Filter filter = *Filter::parse(name);
         for (const Weights weights : {Weights::kSigned, Weights::kPositive, Weights::kUnitSum}) {
@@ -92,7 +107,7 @@ TEST(Splat, ThreeByThreePixelsGetTheVerySumsOfTheFourByFourAroundThem) {
         for (const Weights weights : {Weights::kSigned, Weights::kPositive, Weights::kUnitSum}) {
             const std::vector<double> window = window_of(filter, weights, records);
             std::vector<double> expected(window.size());
-            splat(wide, kLanes, weights, records.columns(), records.segments, expected.data(), window_side(filter));
+            splat(wide, kLanes, weights, records.segments, expected.data(), window_side(filter));
             EXPECT_EQ(window, expected) << name << ' ' << static_cast<int>(weights);
         }
     }
@@ -110,7 +125,7 @@ TEST(Splat, APatchHasTheVerySumsOfTheWindow) {
                 SCOPED_TRACE(::testing::Message() << name << ' ' << static_cast<int>(weights) << ' ' << pixels.x0);
                 const PixelRect reach = patch_of(filter.kernel(), pixels);
                 std::vector<double> patch(static_cast<std::size_t>(reach.width() * reach.height() * kLanes));
-                splat_patch(filter.kernel(), kLanes, weights, records.columns(), records.segments, pixels, patch.data());
+                splat_patch(filter.kernel(), kLanes, weights, records.segments, pixels, patch.data());
                 for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
                     for (std::int64_t i = pixels.x0 * kLanes; i < pixels.x1 * kLanes; ++i) {
                         const auto in_patch = (y - reach.y0) * reach.width() * kLanes + i - reach.x0 * kLanes;

@@ -71,16 +71,16 @@ void Fireflies::begin(const PixelRect& cells, std::span<std::byte> memory) {
 
 void Fireflies::look_at(std::span<const RecordBatch* const> batches, const PageRange& range) {
     tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(cells_.width() * cells_.height()), [&](std::size_t cell) {
-        thread_local std::vector<BatchSegments> found;
+        thread_local std::vector<std::span<const Segment>> found;
         const auto i = static_cast<std::int64_t>(cell);
         for (const RecordClass record_class : kClasses) {
             if (!classes_.has(record_class)) continue;
             const std::span<Block> to = blocks(cell, record_class);
             segments_in_order(batches, range, cells_.x0 + i % cells_.width(), cells_.y0 + i / cells_.width(), record_class, found);
-            for (const BatchSegments& in_batch : found) {
-                const RecordColumns& records = in_batch.batch->columns;
-                for (const Segment& segment : in_batch.segments) {
-                    for (std::size_t row = segment.first; row < std::size_t{segment.first} + segment.count; ++row) {
+            for (const std::span<const Segment> segments : found) {
+                for (const Segment& segment : segments) {
+                    const SegmentColumns records = segment.columns();
+                    for (std::size_t row = 0; row < segment.count; ++row) {
                         float light = brightness(records.values + row * static_cast<std::size_t>(layout_.stride()));
                         for (float& kept : to[block_of(records.x[row], records.y[row])].brightest) {
                             if (light > kept) std::swap(light, kept);
@@ -126,18 +126,23 @@ void Fireflies::decide(std::size_t cell, RecordClass record_class) {
     }
 }
 
-DimmedLight Fireflies::copy(std::size_t cell, RecordClass record_class, const Rows& rows, std::vector<float>& values) const {
+// The rows of `all` from `first` on that `part` has room for.
+DimmedLight Fireflies::copy(std::size_t cell, RecordClass record_class, const Segment& all, std::uint32_t first,
+                            const Segment& part) const {
     const auto stride = static_cast<std::size_t>(layout_.stride());
-    const float* const from = rows.columns.values + rows.first * stride;
-    values.assign(from, from + rows.count * stride);
+    const SegmentColumns from = all.columns(), to = part.columns();
+    std::copy_n(from.x + first, part.count, to.x);
+    std::copy_n(from.y + first, part.count, to.y);
+    std::copy_n(from.values + first * stride, part.count * stride, to.values);
     const std::span<const Block> limits = blocks(cell, record_class);
     DimmedLight dimmed;
-    for (std::size_t i = 0; i < rows.count; ++i) {
-        const float light = brightness(from + i * stride);
-        const float limit = limits[block_of(rows.columns.x[rows.first + i], rows.columns.y[rows.first + i])].limit;
+    for (std::size_t i = 0; i < part.count; ++i) {
+        float* const row = to.values + i * stride;
+        const float light = brightness(row);
+        const float limit = limits[block_of(to.x[i], to.y[i])].limit;
         dimmed.before += static_cast<double>(light);
         if (light <= limit) continue;
-        dim_row(layout_, limit / light, values.data() + i * stride);
+        dim_row(layout_, limit / light, row);
         dimmed.taken += static_cast<double>(light) - static_cast<double>(limit);
         ++dimmed.samples;
     }

@@ -38,20 +38,19 @@ class Fireflies {
     void look_at(std::span<const RecordBatch* const> batches, const PageRange& range);
     void decide();  // after all records were looked at
 
-    // Hands the records of a cell of the pane to `use(columns, segments)` in their order, some at a time, dimmed. Thread-safe.
+    // Hands the records of a cell of the pane to `use(segments)` in their order, some at a time, dimmed. Thread-safe.
     template <class Use>
     DimmedLight dim(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class,
-                    std::span<const BatchSegments> found, const Use& use) const {
+                    std::span<const std::span<const Segment>> found, const Use& use) const {
         DimmedLight dimmed;
-        thread_local std::vector<float> values;
-        for (const BatchSegments& in_batch : found) {
-            for (const Segment& segment : in_batch.segments) {
+        thread_local std::vector<std::byte> memory;
+        memory.resize(SegmentColumns::bytes(kRowsAtOnce, static_cast<std::size_t>(layout_.stride())) + Segment::kReadable);
+        for (const std::span<const Segment> segments : found) {
+            for (const Segment& segment : segments) {
                 for (std::uint32_t done = 0; done < segment.count; done += kRowsAtOnce) {
-                    const Rows rows{in_batch.batch->columns, segment.first + done, std::min(kRowsAtOnce, segment.count - done)};
-                    dimmed += copy(cell_of(cell_x, cell_y), record_class, rows, values);
-                    const Segment part{segment.page, 0, rows.count};
-                    use(RecordColumns{rows.columns.x + rows.first, rows.columns.y + rows.first, values.data()},
-                        std::span(&part, 1));
+                    const Segment part{segment.page, memory.data(), std::min(kRowsAtOnce, segment.count - done)};
+                    dimmed += copy(cell_of(cell_x, cell_y), record_class, segment, done, part);
+                    use(std::span(&part, 1));
                 }
             }
         }
@@ -60,10 +59,6 @@ class Fireflies {
 
  private:
     static constexpr std::uint32_t kRowsAtOnce = 1024;
-    struct Rows {
-        const RecordColumns& columns;
-        std::uint32_t first, count;
-    };
     struct Block {
         float brightest[kTrusted];  // of its samples, in descending order
         float limit;
@@ -76,13 +71,14 @@ class Fireflies {
     std::size_t block_of(std::uint32_t x, std::uint32_t y) const { return (y >> shift_) * columns_ + (x >> shift_); }
     float brightness(const float* row) const;
     void decide(std::size_t cell, sampledb::RecordClass record_class);
-    DimmedLight copy(std::size_t cell, sampledb::RecordClass record_class, const Rows& rows, std::vector<float>& values) const;
+    DimmedLight copy(std::size_t cell, sampledb::RecordClass record_class, const Segment& all, std::uint32_t first,
+                     const Segment& part) const;
 
     const FilmGrid& grid_;
     int reach_;
     RowLayout layout_;
     Classes classes_;
-    int shift_ = 24;  // from positions of RecordColumns to blocks
+    int shift_ = 24;  // from positions of SegmentColumns to blocks
     std::size_t columns_, blocks_;
     PixelRect cells_;
     std::span<std::byte> memory_;
@@ -91,9 +87,9 @@ class Fireflies {
 // Hands the records that were found of a cell to `use`, as `dim` does, or as they are where there is nothing to dim.
 template <class Use>
 DimmedLight pass_on(const Fireflies* fireflies, std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class,
-                    std::span<const BatchSegments> found, const Use& use) {
+                    std::span<const std::span<const Segment>> found, const Use& use) {
     if (fireflies) return fireflies->dim(cell_x, cell_y, record_class, found, use);
-    for (const BatchSegments& in_batch : found) use(in_batch.batch->columns, in_batch.segments);
+    for (const std::span<const Segment> segments : found) use(segments);
     return {};
 }
 

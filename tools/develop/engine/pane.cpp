@@ -47,14 +47,14 @@ void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> bat
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
     const std::size_t sums =
         static_cast<std::size_t>(window.width() * window.height()) * static_cast<std::size_t>(entries_.stride());
-    thread_local std::vector<BatchSegments> found;
+    thread_local std::vector<std::span<const Segment>> found;
     const auto add = [&](RecordClass record_class, Weights weights, double* to, const double*& used) {
         segments_in_order(batches, range, x, y, record_class, found);
         if (found.empty()) return;
         if (!used) std::fill_n(to, sums, 0.0);
         used = to;
-        const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
-            splat(filter_, entries_, weights, columns, segments, to, static_cast<std::size_t>(window.width()));
+        const auto splat_some = [&](std::span<const Segment> segments) {
+            splat(filter_, entries_, weights, segments, to, static_cast<std::size_t>(window.width()));
         };
         dimmed_[2 * cell + (record_class == RecordClass::kLight ? 1 : 0)] +=
             pass_on(fireflies(), x, y, record_class, found, splat_some);

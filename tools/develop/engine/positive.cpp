@@ -44,7 +44,7 @@ void for_patches(const PixelRect& pixels, const Visit& visit) {
 }  // namespace
 
 void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const {
-    thread_local std::vector<BatchSegments> found;
+    thread_local std::vector<std::span<const Segment>> found;
     thread_local std::vector<double> patch;
     segments_in_order(batches_, {}, cell_x, cell_y, kCamera, found);
     if (found.empty()) return;
@@ -52,9 +52,8 @@ void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const Pi
     for_patches(pixels, [&](const PixelRect& part) {
         const PixelRect reach = patch_of(filter_, part);
         patch.assign(size_of(reach, stride_), 0.0);
-        pass_on(fireflies_, cell_x, cell_y, kCamera, found, [&](const RecordColumns& columns, std::span<const Segment> segments) {
-            splat_patch(filter_, entries_, Weights::kPositive, columns, segments, moved(part, -window.x0, -window.y0),
-                        patch.data());
+        pass_on(fireflies_, cell_x, cell_y, kCamera, found, [&](std::span<const Segment> segments) {
+            splat_patch(filter_, entries_, Weights::kPositive, segments, moved(part, -window.x0, -window.y0), patch.data());
         });
         for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(),
                  [&](const double* from, double* to, std::int64_t count) { add_sums(entries_, from, to, count); });
@@ -122,11 +121,11 @@ void PositiveWindows::open(std::span<const std::size_t> cells, std::span<std::by
 void PositiveWindows::add_records(std::span<const RecordBatch* const> batches, const PageRange& range) {
     tbb::parallel_for(std::size_t{0}, windows_.size(), [&](std::size_t cell) {
         if (!windows_[cell].sums || windows_[cell].whole != only_whole_) return;
-        thread_local std::vector<BatchSegments> found;
+        thread_local std::vector<std::span<const Segment>> found;
         segments_in_order(batches, range, cell_x(cell), cell_y(cell), kCamera, found);
         if (!windows_[cell].whole) return add_to_border(cell, found);
-        const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
-            splat(filter_, entries_, Weights::kPositive, columns, segments, windows_[cell].sums,
+        const auto splat_some = [&](std::span<const Segment> segments) {
+            splat(filter_, entries_, Weights::kPositive, segments, windows_[cell].sums,
                   static_cast<std::size_t>(window(cell).width()));
         };
         pass_on(fireflies_, cell_x(cell), cell_y(cell), kCamera, found, splat_some);
@@ -134,7 +133,7 @@ void PositiveWindows::add_records(std::span<const RecordBatch* const> batches, c
 }
 
 // The frame that surrounds `inner_`, each sum going on from where the batch before left it.
-void PositiveWindows::add_to_border(std::size_t cell, std::span<const BatchSegments> found) {
+void PositiveWindows::add_to_border(std::size_t cell, std::span<const std::span<const Segment>> found) {
     const PixelRect all = window(cell), inside = intersection(all, inner_);
     PixelRect frame[] = {{all.x0, all.y0, all.x1, inside.y0},
                          {all.x0, inside.y1, all.x1, all.y1},
@@ -148,8 +147,8 @@ void PositiveWindows::add_to_border(std::size_t cell, std::span<const BatchSegme
             const PixelRect reach = patch_of(filter_, part);
             patch.assign(size_of(reach, stride_), 0.0);
             for_rows(part, stride_, all, static_cast<const double*>(sums), reach, patch.data(), copy_doubles);
-            const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
-                splat_patch(filter_, entries_, Weights::kPositive, columns, segments, moved(part, -all.x0, -all.y0), patch.data());
+            const auto splat_some = [&](std::span<const Segment> segments) {
+                splat_patch(filter_, entries_, Weights::kPositive, segments, moved(part, -all.x0, -all.y0), patch.data());
             };
             pass_on(fireflies_, cell_x(cell), cell_y(cell), kCamera, found, splat_some);
             for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), all, sums, copy_doubles);

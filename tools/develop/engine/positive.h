@@ -65,7 +65,7 @@ class PositiveWindows final : public PositiveSums {
     std::int64_t cell_x(std::size_t cell) const { return cells_.x0 + static_cast<std::int64_t>(cell) % cells_.width(); }
     std::int64_t cell_y(std::size_t cell) const { return cells_.y0 + static_cast<std::int64_t>(cell) / cells_.width(); }
     PixelRect window(std::size_t cell) const;
-    void add_to_border(std::size_t cell, std::span<const BatchSegments> found);
+    void add_to_border(std::size_t cell, std::span<const std::span<const Segment>> found);
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;

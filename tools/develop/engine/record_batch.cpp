@@ -63,27 +63,27 @@ std::span<const Segment> RecordBatch::segments(std::int64_t cell_x, std::int64_t
 }
 
 void segments_in_order(std::span<const RecordBatch* const> batches, const PageRange& range, std::int64_t cell_x,
-                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<BatchSegments>& found) {
+                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<std::span<const Segment>>& found) {
     found.clear();
-    thread_local std::vector<BatchSegments> rest;  // of each batch
+    thread_local std::vector<std::span<const Segment>> rest;  // of each batch
     rest.clear();
     for (const RecordBatch* batch : batches) {
         const std::span<const Segment> all = batch->segments(cell_x, cell_y, record_class);
         const auto first = std::ranges::lower_bound(all, range.begin, {}, &Segment::page);
         const auto last = std::ranges::lower_bound(first, all.end(), range.end, {}, &Segment::page);
-        if (first != last) rest.push_back({batch, {first, last}});
+        if (first != last) rest.emplace_back(first, last);
     }
-    const auto front = [](const BatchSegments& in_batch) { return in_batch.segments.front().page; };
+    const auto front = [](std::span<const Segment> in_batch) { return in_batch.front().page; };
     while (!rest.empty()) {
         const auto next = std::ranges::min_element(rest, {}, front);
         std::uint64_t end = range.end;  // where another batch goes on
         for (auto other = rest.begin(); other != rest.end(); ++other) {
             if (other != next) end = std::min(end, front(*other));
         }
-        const auto stop = std::ranges::lower_bound(next->segments, end, {}, &Segment::page);
-        found.push_back({next->batch, {next->segments.begin(), stop}});
-        next->segments = {stop, next->segments.end()};
-        if (next->segments.empty()) rest.erase(next);
+        const auto stop = std::ranges::lower_bound(*next, end, {}, &Segment::page);
+        found.emplace_back(next->begin(), stop);
+        *next = {stop, next->end()};
+        if (next->empty()) rest.erase(next);
     }
 }
 
@@ -91,8 +91,8 @@ std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelR
     const std::uint64_t pieces = pieces_at_most(page, cells);
     if (pieces == 0) return 0;
     const PixelRect sorted = moves_records() ? reached(page, cells) : PixelRect{};
-    return kPageBytes + page.record_count * record_bytes() + pieces * (sizeof(Segment) + sizeof(SlotRows)) +
-           static_cast<std::uint64_t>(sorted.width() * sorted.height()) * sizeof(std::uint32_t);
+    return kPageBytes + SegmentColumns::bytes(page.record_count, stride_) + pieces * (sizeof(Segment) + sizeof(SlotRows)) +
+           static_cast<std::uint64_t>(sorted.width() * sorted.height()) * (sizeof(std::uint32_t) + sizeof(SegmentColumns));
 }
 
 PixelRect Loader::reached(const sampledb::PageInfo& page, const PixelRect& cells) const {
@@ -119,9 +119,7 @@ std::uint64_t Loader::index_bytes(const PixelRect& cells) {
 struct Loader::Filling {
     const PixelRect& cells;
     bool counting;
-    float* values;
-    std::uint32_t* x;
-    std::uint32_t* y;
+    std::byte* rows;
     SlotRows* pieces;
     std::atomic<std::uint32_t> row_count = 0, piece_count = 0;
 };
@@ -141,25 +139,14 @@ Result<RecordBatch> Loader::load(std::span<const PageRef>& pages, const PixelRec
     }
     assert(taken > 0 || pages.empty());
 
-    // Values, x, y of as many rows as there may be; pieces at the end, out of the way of the segments that are made from them.
+    // Rows come first; pieces lie at the end, out of the way of the segments that are made from them.
     std::span<std::byte> free = memory.first(memory.size() - pieces * sizeof(SlotRows) / kAlignment * kAlignment - kAlignment);
-    auto* const last = reinterpret_cast<SlotRows*>(free.data() + free.size());
-    Filling filling{cells,
-                    counting,
-                    take<float>(free, rows * stride_).data(),
-                    take<std::uint32_t>(free, rows).data(),
-                    take<std::uint32_t>(free, rows).data(),
-                    last};
+    assert(SegmentColumns::bytes(rows, stride_) <= free.size());
+    Filling filling{cells, counting, free.data(), reinterpret_cast<SlotRows*>(free.data() + free.size())};
     std::vector<std::span<const SlotRows>> kept(taken);
     if (Status s = load_pages(pages.first(taken), filling, kept); !s) return s.error();
 
-    // Pages may have had rows elsewhere: the columns close up.
-    free = memory.first(static_cast<std::size_t>(reinterpret_cast<std::byte*>(last) - memory.data()));
-    const std::uint32_t row_count = filling.row_count;
-    const std::span<float> values = take<float>(free, row_count * stride_);
-    const std::span<std::uint32_t> x = take<std::uint32_t>(free, row_count), y = take<std::uint32_t>(free, row_count);
-    std::copy_n(filling.x, row_count, x.data());
-    std::copy_n(filling.y, row_count, y.data());
+    take<std::byte>(free, SegmentColumns::bytes(filling.row_count, stride_));  // pages may have had rows elsewhere
     const std::span<std::uint32_t> begin = take<std::uint32_t>(free, slot_count(cells) + 1);
     const std::span<Segment> segments = take<Segment>(free, filling.piece_count);
 
@@ -173,12 +160,13 @@ Result<RecordBatch> Loader::load(std::span<const PageRef>& pages, const PixelRec
     for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
     for (std::size_t i = 0; i < taken; ++i) {
         for (const SlotRows& piece : kept[i]) {
-            segments[begin[piece.slot + 1]++] = {pages[i].order, piece.first, piece.count};
+            segments[begin[piece.slot + 1]++] = {pages[i].order, filling.rows + SegmentColumns::bytes(piece.first, stride_),
+                                                 piece.count};
         }
     }
     memory = memory.subspan(static_cast<std::size_t>(free.data() - memory.data()));
     pages = pages.subspan(taken);
-    return RecordBatch{cells, {x.data(), y.data(), values.data()}, begin, segments};
+    return RecordBatch{cells, begin, segments};
 }
 
 // In parallel, begun in their order: so those that are read soon are announced to the system, and are on their way.
@@ -244,11 +232,11 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
     cells.clear();
     const std::uint32_t elsewhere = moved.elsewhere();
     moved.cell.resize(page.count);
-    moved.begin.assign(elsewhere + 2, 0);
+    moved.count.assign(elsewhere + 1, 0);
     std::uint32_t* const u = page.u.data();
     std::uint32_t* const v = page.v.data();
     std::uint32_t* const its_cell = moved.cell.data();
-    std::uint32_t* const count = moved.begin.data() + 1;
+    std::uint32_t* const count = moved.count.data();
     const LensWeights::Shifts shifts(*channels_.lens(), page);
     const std::int64_t x0 = moved.wanted.x0, y0 = moved.wanted.y0;
     const auto width = static_cast<std::uint64_t>(moved.wanted.width()), height = static_cast<std::uint64_t>(moved.wanted.height());
@@ -269,31 +257,34 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
     };
     std::uint32_t end = 0;
     for (std::uint32_t cell = 0; cell < elsewhere; ++cell) {
-        moved.begin[cell] = end;
         if (count[cell] == 0) continue;
         cells.push_back({its_x(cell), its_y(cell), end, count[cell]});
         end += count[cell];
     }
 }
 
-// A counting sort, which keeps the order of rows within a cell: `moved.begin` is where the next row of a cell goes. x and y are
-// positions on the film.
+// A counting sort, which keeps the order of rows within a cell. x and y are positions on the film.
 template <std::size_t kStride>
-void Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, float* values, std::uint32_t* x,
-                             std::uint32_t* y) const {
+void Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const {
     const std::size_t stride = kStride > 0 ? kStride : stride_;
     const std::uint32_t elsewhere = moved.elsewhere();
     const std::uint32_t* const u = page.u.data();
     const std::uint32_t* const v = page.v.data();
     const std::uint32_t* const cells = moved.cell.data();
     const float* const from = moved.values.data();
-    std::uint32_t* const next = moved.begin.data();
+    moved.next.clear();
+    for (std::uint32_t cell = 0; cell < elsewhere; ++cell) {
+        moved.next.push_back(SegmentColumns::at(memory, moved.count[cell]));
+        memory += SegmentColumns::bytes(moved.count[cell], stride);
+    }
+    SegmentColumns* const next = moved.next.data();
     for (std::size_t row = 0; row < page.count; ++row) {
         const std::uint32_t cell = cells[row];
         if (cell == elsewhere) continue;
-        const std::size_t to = next[cell]++;
-        x[to] = u[row], y[to] = v[row];
-        std::copy_n(from + row * stride, stride, values + to * stride);
+        SegmentColumns& to = next[cell];
+        *to.x++ = u[row], *to.y++ = v[row];
+        std::copy_n(from + row * stride, stride, to.values);
+        to.values += stride;
     }
 }
 
@@ -314,8 +305,9 @@ void Loader::count_not_finite(std::uint64_t count, const sampledb::Page& page, c
 
 // Rows of zeros, which add nothing to any sum. Returns how many rows are left.
 template <std::size_t kStride>
-std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const {
+std::uint32_t Loader::drop_zeros(std::byte* memory, std::uint32_t count) const {
     const std::size_t stride = kStride > 0 ? kStride : stride_;
+    const auto [x, y, values] = SegmentColumns::at(memory, count);
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < count; ++i) {  // without a branch, which would be mispredicted where every second row is left out
         const float* const row = values + i * stride;
@@ -324,6 +316,9 @@ std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uin
         std::copy_n(row, stride, values + kept * stride);
         kept += stays ? 1 : 0;
     }
+    const SegmentColumns closed = SegmentColumns::at(memory, kept);
+    std::copy_n(y, kept, closed.y);
+    std::copy_n(values, kept * stride, closed.values);
     return kept;
 }
 
@@ -356,27 +351,26 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
     if (moves_records()) {
         const auto sort = stride_ == 4 ? &Loader::sort_moved_rows<4> : &Loader::sort_moved_rows<0>;
-        (this->*sort)(page, worker.moved, filling.values + to * stride_, filling.x + to, filling.y + to);
+        (this->*sort)(page, worker.moved, filling.rows + SegmentColumns::bytes(to, stride_));
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellRows& rows = cells[i];
+        std::byte* const memory = filling.rows + SegmentColumns::bytes(to, stride_);
+        const SegmentColumns columns = SegmentColumns::at(memory, rows.count);
         const auto place = [&](const FilmGrid::Place& of, const std::vector<std::uint32_t>& positions, std::uint32_t* places) {
             const std::uint32_t* const from = moves_records() ? places : positions.data() + rows.first;
             place_rows(of, {from, rows.count}, places);
         };
-        place(grid_.place_x(rows.cell_x), page.u, filling.x + to);
-        place(grid_.place_y(rows.cell_y), page.v, filling.y + to);
+        place(grid_.place_x(rows.cell_x), page.u, columns.x);
+        place(grid_.place_y(rows.cell_y), page.v, columns.y);
         if (!moves_records()) {
             const std::size_t first = rows.first;
-            const std::uint64_t not_finite = channels_.values(page, first, first + rows.count, filling.values + to * stride_);
+            const std::uint64_t not_finite = channels_.values(page, first, first + rows.count, columns.values);
             count_not_finite(not_finite, page, filling);
         }
         std::uint32_t left = rows.count;
-        if (lens != nullptr && lens->leaves_records_out()) {
-            float* const values = filling.values + to * stride_;
-            left = stride_ == 4 ? drop_zeros<4>(rows.count, filling.x + to, filling.y + to, values)
-                                : drop_zeros<0>(rows.count, filling.x + to, filling.y + to, values);
-        }
+        if (lens != nullptr && lens->leaves_records_out())
+            left = stride_ == 4 ? drop_zeros<4>(memory, rows.count) : drop_zeros<0>(memory, rows.count);
         pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to, left};
         to += rows.count;
     }

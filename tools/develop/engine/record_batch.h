@@ -27,10 +27,9 @@ struct PageRef {
     sampledb::PageInfo info;
 };
 
-// Records that lie in `cells`. The arrays lie in memory that the loader was lent.
+// Records that lie in `cells`. They and the arrays lie in memory that the loader was lent.
 struct RecordBatch {
     PixelRect cells;
-    RecordColumns columns;
     std::span<const std::uint32_t> begin;  // of each cell's segments, camera and light; one more at the end
     std::span<const Segment> all_segments;
 
@@ -42,13 +41,9 @@ struct RecordBatch {
 struct PageRange {
     std::uint64_t begin = 0, end = ~std::uint64_t{0};
 };
-struct BatchSegments {
-    const RecordBatch* batch;
-    std::span<const Segment> segments;
-};
 // The segments of a cell and class, of pages in `range`, that several batches have: in the order of their pages.
 void segments_in_order(std::span<const RecordBatch* const> batches, const PageRange& range, std::int64_t cell_x,
-                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<BatchSegments>& found);
+                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<std::span<const Segment>>& found);
 
 struct DecodeCounts {
     std::atomic<std::uint64_t> pages = 0, bytes = 0;                   // decoded, repeats included
@@ -82,7 +77,7 @@ class Loader {
     struct CellRows {  // rows first .. first + count - 1 of a page lie in one cell
         std::uint32_t cell_x, cell_y, first, count;
     };
-    struct SlotRows {  // rows of the batch, and the place of their cell and class in its index
+    struct SlotRows {  // rows of the batch, from that number on, and the place of their cell and class in its index
         std::uint32_t slot, first, count;
     };
     struct Filling;
@@ -90,7 +85,8 @@ class Loader {
     struct MovedRows {
         PixelRect wanted;                  // cells, numbered row by row
         std::vector<std::uint32_t> cell;   // of each row; that behind the last for rows elsewhere
-        std::vector<std::uint32_t> begin;  // of each cell's rows among those that are wanted, and the end of the last
+        std::vector<std::uint32_t> count;  // of each cell's rows
+        std::vector<SegmentColumns> next;  // where the next row of each cell goes
         std::vector<float> values;         // of all rows
         std::uint32_t elsewhere() const { return static_cast<std::uint32_t>(wanted.width() * wanted.height()); }
     };
@@ -111,10 +107,9 @@ class Loader {
     std::uint64_t not_finite_of(const sampledb::Page& page, const MovedRows& moved) const;
     void count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling);
     template <std::size_t kStride>  // if it is known; else 0
-    void sort_moved_rows(const sampledb::Page& page, MovedRows& moved, float* values, std::uint32_t* x, std::uint32_t* y) const;
+    void sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const;
     template <std::size_t kStride>
-    std::uint32_t drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const;
-    std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + stride_ * sizeof(float); }
+    std::uint32_t drop_zeros(std::byte* memory, std::uint32_t count) const;
 
     const sampledb::RunSet& run_set_;
     const FilmGrid& grid_;

@@ -2,6 +2,7 @@
 #define HWY_TARGET_INCLUDE "tools/develop/kernel/splat.cpp"
 #include "tools/develop/kernel/splat.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
@@ -14,7 +15,7 @@ namespace latent::develop::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Form = FilterKernel::Form;
-constexpr std::size_t kReadable = RecordColumns::kReadable;
+constexpr std::size_t kReadable = Segment::kReadable / sizeof(float);  // lanes
 
 // What is known of the sums when this file is compiled; 0: only at run time.
 template <int kSideOrZero, int kStrideOrZero, Weights kWeightsUsed>
@@ -115,17 +116,20 @@ struct Block {
 // Fills blocks with the records of segments, one after another.
 class BlockReader {
  public:
-    BlockReader(const RecordColumns& records, std::span<const Segment> segments, std::size_t row_pixels, int stride)
-        : records_(records), segments_(segments), row_pixels_(static_cast<std::uint32_t>(row_pixels)), stride_(stride) {}
+    BlockReader(std::span<const Segment> segments, std::size_t row_pixels, int stride)
+        : segments_(segments), row_pixels_(static_cast<std::uint32_t>(row_pixels)), stride_(stride) {}
 
     // `shift`: added to positions, in units of 2^-24 pixels. False if there are no more records.
     bool read(std::uint32_t shift, Block& block) {
         block.count = 0;
         while (!segments_.empty() && block.count < kBlock) {
             const Segment& segment = segments_.front();
-            const std::size_t first = std::size_t{segment.first} + done_;
+            if (done_ == 0 && segments_.size() > kSegmentsAhead) {
+                hwy::Prefetch(segments_[kSegmentsAhead].memory);
+                hwy::Prefetch(segments_[kSegmentsAhead].memory + 64);
+            }
             const std::size_t n = std::min<std::size_t>(segment.count - done_, kBlock - block.count);
-            read_rows(first, n, shift, block);
+            read_rows(segment.columns(), done_, n, shift, block);
             done_ += static_cast<std::uint32_t>(n);
             if (done_ == segment.count) segments_ = segments_.subspan(1), done_ = 0;
         }
@@ -133,26 +137,27 @@ class BlockReader {
     }
 
  private:
-    HWY_INLINE void read_rows(std::size_t first, std::size_t n, std::uint32_t shift, Block& block) {
+    static constexpr std::size_t kSegmentsAhead = 16;  // to be fetched: short ones are far from each other in memory
+
+    HWY_INLINE void read_rows(const SegmentColumns& records, std::size_t first, std::size_t n, std::uint32_t shift, Block& block) {
         const hn::CappedTag<std::uint32_t, kReadable> d;
         const hn::Rebind<float, decltype(d)> df;
         const hn::Rebind<std::int32_t, decltype(d)> di;
         const auto shifts = hn::Set(d, shift), fraction = hn::Set(d, 0xFFFFFF), row = hn::Set(d, row_pixels_);
         const auto unit = hn::Set(df, 0x1p-24f);
         for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {  // those behind the last one are overwritten, or not used
-            const auto x = hn::Add(hn::LoadU(d, records_.x + first + i), shifts);
-            const auto y = hn::Add(hn::LoadU(d, records_.y + first + i), shifts);
+            const auto x = hn::Add(hn::LoadU(d, records.x + first + i), shifts);
+            const auto y = hn::Add(hn::LoadU(d, records.y + first + i), shifts);
             const std::size_t to = block.count + i;
             hn::StoreU(hn::Mul(hn::ConvertTo(df, hn::BitCast(di, hn::And(x, fraction))), unit), df, block.gx + to);
             hn::StoreU(hn::Mul(hn::ConvertTo(df, hn::BitCast(di, hn::And(y, fraction))), unit), df, block.gy + to);
             hn::StoreU(hn::Add(hn::Mul(hn::ShiftRight<24>(y), row), hn::ShiftRight<24>(x)), d, block.pixel + to);
         }
-        const float* values = records_.values + first * static_cast<std::size_t>(stride_);
+        const float* values = records.values + first * static_cast<std::size_t>(stride_);
         for (std::size_t i = 0; i < n; ++i, values += stride_) block.values[block.count + i] = values;
         block.count += n;
     }
 
-    const RecordColumns& records_;
     std::span<const Segment> segments_;
     std::uint32_t row_pixels_;
     int stride_;
@@ -162,8 +167,8 @@ class BlockReader {
 // Both steps of the weights of later records are taken while the sums of a record are under way: additions wait for memory, weights
 // for square roots.
 template <Form kForm, class Shape>
-void splat_records(const Shape& shape, const FilterKernel& filter, const RecordColumns& records, std::span<const Segment> segments,
-                   double* window, std::size_t row_pixels) {
+void splat_records(const Shape& shape, const FilterKernel& filter, std::span<const Segment> segments, double* window,
+                   std::size_t row_pixels) {
     constexpr std::size_t kAhead = 2, kRing = 8;
     constexpr std::size_t kMaxWeights = Shape::kSide > 0 ? 16 : 4 * FilterKernel::kMaxReach * FilterKernel::kMaxReach;
     HWY_ALIGN float begun[kRing * kMaxWeights];
@@ -180,7 +185,7 @@ void splat_records(const Shape& shape, const FilterKernel& filter, const RecordC
                                                                       weights + i % kRing * padded);
     };
     const std::uint32_t shift = shape.side() == 3 ? kHalf : 0;
-    for (BlockReader reader(records, segments, row_pixels, shape.stride()); reader.read(shift, block);) {
+    for (BlockReader reader(segments, row_pixels, shape.stride()); reader.read(shift, block);) {
         for (std::size_t i = 0; i < 2 * kAhead; ++i) begin(i);
         for (std::size_t i = 0; i < kAhead; ++i) end(i);
         for (std::size_t i = 0; i < block.count; ++i) {
@@ -194,13 +199,12 @@ void splat_records(const Shape& shape, const FilterKernel& filter, const RecordC
 
 // The box: each record counts for the pixel that it lies in, with weight 1, which is also the sum of its weights. The record that
 // is chosen is the one nearest to the centre.
-void splat_box(const EntryCounts& entries, const RecordColumns& records, std::span<const Segment> segments, double* window,
-               std::size_t row_pixels) {
+void splat_box(const EntryCounts& entries, std::span<const Segment> segments, double* window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
     Block block;
     const int stride = entries.stride(), added = entries.added();
-    for (BlockReader reader(records, segments, row_pixels, stride); reader.read(kHalf, block);) {
+    for (BlockReader reader(segments, row_pixels, stride); reader.read(kHalf, block);) {
         for (std::size_t i = 0; i < block.count; ++i) {
             double* const sums = window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(stride);
             for (int entry = 0; entry < added; entry += static_cast<int>(hn::Lanes(d))) {
@@ -216,18 +220,18 @@ void splat_box(const EntryCounts& entries, const RecordColumns& records, std::sp
     }
 }
 
-void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
-           std::span<const Segment> segments, double* window, std::size_t row_pixels) {
+void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, std::span<const Segment> segments,
+           double* window, std::size_t row_pixels) {
     const auto with_shape = [&](const auto& shape) {
         switch (filter.form) {
             case Form::kQuartic:
-                return splat_records<Form::kQuartic>(shape, filter, records, segments, window, row_pixels);
+                return splat_records<Form::kQuartic>(shape, filter, segments, window, row_pixels);
             case Form::kTable:
-                return splat_records<Form::kTable>(shape, filter, records, segments, window, row_pixels);
+                return splat_records<Form::kTable>(shape, filter, segments, window, row_pixels);
             case Form::kSeparable:
-                return splat_records<Form::kSeparable>(shape, filter, records, segments, window, row_pixels);
+                return splat_records<Form::kSeparable>(shape, filter, segments, window, row_pixels);
             case Form::kBox:
-                return splat_box(shape.entries, records, segments, window, row_pixels);
+                return splat_box(shape.entries, segments, window, row_pixels);
         }
     };
     const int side = filter.covered;
@@ -251,7 +255,7 @@ void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weigh
 
 // Appends the rows from `first` on whose footprints begin in columns x0 .. x0 + width - 1 and rows y0 .. y0 + height - 1 to
 // `chosen` (mod 256), until it holds `most` or there are no more. Returns the first row that it has not looked at.
-std::uint32_t Choose(const RecordColumns& records, std::uint32_t first, std::uint32_t end, const PixelRect& places,
+std::uint32_t Choose(const SegmentColumns& records, std::uint32_t first, std::uint32_t end, const PixelRect& places,
                      std::vector<std::uint32_t>& chosen, std::size_t most) {
     const hn::ScalableTag<std::uint32_t> d;
     const std::size_t lanes = hn::Lanes(d);
@@ -291,38 +295,42 @@ namespace latent::develop {
 LATENT_SIMD_EXPORT(Splat);
 LATENT_SIMD_EXPORT(Choose);
 
-void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
-           std::span<const Segment> segments, double* window, std::size_t row_pixels) {
-    LATENT_SIMD_CALL(Splat)(filter, entries, weights, records, segments, window, row_pixels);
+void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, std::span<const Segment> segments,
+           double* window, std::size_t row_pixels) {
+    LATENT_SIMD_CALL(Splat)(filter, entries, weights, segments, window, row_pixels);
 }
 
-void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
-                 std::span<const Segment> segments, const PixelRect& pixels, double* patch) {
+void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, std::span<const Segment> segments,
+                 const PixelRect& pixels, double* patch) {
     constexpr std::size_t kAtOnce = 256;
-    thread_local std::vector<std::uint32_t> chosen, x, y;
-    thread_local std::vector<float> values;
+    thread_local std::vector<std::uint32_t> chosen;
+    thread_local std::vector<std::byte> memory;
+    thread_local std::vector<Segment> copies;
     const PixelRect reach = patch_of(filter, pixels);
     const auto stride = static_cast<std::size_t>(entries.stride());
-    const PixelRect places{reach.x0, reach.y0, pixels.x1, pixels.y1};  // where footprints that reach `pixels` begin
+    const PixelRect places{reach.x0, reach.y0, pixels.x1, pixels.y1};                // where footprints that reach `pixels` begin
+    memory.resize(SegmentColumns::bytes(2 * kAtOnce, stride) + Segment::kReadable);  // Choose may find some too many
+    std::size_t rows = 0;
     const auto flush = [&] {
-        x.assign(chosen.size() + RecordColumns::kReadable, 0), y = x;
-        values.clear();
-        for (std::size_t i = 0; i < chosen.size(); ++i) {
-            const std::size_t row = chosen[i];
-            x[i] = records.x[row] - (static_cast<std::uint32_t>(places.x0) << 24);
-            y[i] = records.y[row] - (static_cast<std::uint32_t>(places.y0) << 24);
-            values.insert(values.end(), records.values + row * stride, records.values + (row + 1) * stride);
-        }
-        const Segment all{0, 0, static_cast<std::uint32_t>(chosen.size())};
-        splat(filter, entries, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
-              static_cast<std::size_t>(reach.width()));
-        chosen.clear();
+        splat(filter, entries, weights, copies, patch, static_cast<std::size_t>(reach.width()));
+        copies.clear(), rows = 0;
     };
-    chosen.clear();
     for (const Segment& segment : segments) {
-        for (std::uint32_t row = segment.first; row < segment.first + segment.count;) {
-            row = LATENT_SIMD_CALL(Choose)(records, row, segment.first + segment.count, places, chosen, kAtOnce);
-            if (chosen.size() >= kAtOnce) flush();
+        const SegmentColumns records = segment.columns();
+        for (std::uint32_t row = 0; row < segment.count;) {
+            chosen.clear();
+            row = LATENT_SIMD_CALL(Choose)(records, row, segment.count, places, chosen, kAtOnce - rows);
+            if (chosen.empty()) continue;
+            copies.push_back(
+                {segment.page, memory.data() + SegmentColumns::bytes(rows, stride), static_cast<std::uint32_t>(chosen.size())});
+            const SegmentColumns to = copies.back().columns();
+            for (std::size_t i = 0; i < chosen.size(); ++i) {
+                to.x[i] = records.x[chosen[i]] - (static_cast<std::uint32_t>(places.x0) << 24);
+                to.y[i] = records.y[chosen[i]] - (static_cast<std::uint32_t>(places.y0) << 24);
+                std::copy_n(records.values + chosen[i] * stride, stride, to.values + i * stride);
+            }
+            rows += chosen.size();
+            if (rows >= kAtOnce) flush();
         }
     }
     flush();

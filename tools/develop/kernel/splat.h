@@ -2,6 +2,7 @@
 // processors.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -14,17 +15,27 @@
 
 namespace latent::develop {
 
-// Records that a batch holds, as columns; a segment is a range of rows that lie in one cell. So many rows of x and y behind the
-// last one can be read.
-struct RecordColumns {
-    static constexpr std::size_t kReadable = 16;
-    const std::uint32_t* x;  // FilmGrid::place_x, place_y
-    const std::uint32_t* y;
-    const float* values;  // `entries.stride()` per record (layers.h): channel values, then the share (light records: 0), ...
+// Where the records of a segment lie: their x, their y, then their values. What is drawn together is near in memory, however few
+// records a segment has.
+struct SegmentColumns {
+    std::uint32_t* x;  // FilmGrid::place_x, place_y
+    std::uint32_t* y;
+    float* values;  // `entries.stride()` per record (layers.h): channel values, then the share (light records: 0), ...
+
+    static std::size_t bytes(std::size_t count, std::size_t stride) { return count * (2 + stride) * sizeof(float); }
+    static SegmentColumns at(std::byte* memory, std::size_t count) {
+        auto* const x = reinterpret_cast<std::uint32_t*>(memory);
+        return {x, x + count, reinterpret_cast<float*>(x + 2 * count)};
+    }
 };
+// Records of one page that lie in one cell. So many bytes behind the last value can be read.
 struct Segment {
+    static constexpr std::size_t kReadable = 64;
     std::uint64_t page;  // page_order (record_batch.h)
-    std::uint32_t first, count;
+    std::byte* memory;
+    std::uint32_t count;
+
+    SegmentColumns columns() const { return SegmentColumns::at(memory, count); }
 };
 
 enum class Weights : std::uint8_t {
@@ -35,14 +46,14 @@ enum class Weights : std::uint8_t {
 
 // Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has a sum in float64 for each
 // entry: of w s, w^2 s or s; or what was chosen (layers.h).
-void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
-           std::span<const Segment> segments, double* window, std::size_t row_pixels);
+void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, std::span<const Segment> segments,
+           double* window, std::size_t row_pixels);
 
 // The same, of the records alone that reach one of `pixels` (of the window; at most 256 in a row). `patch`: rows of
 // patch_of(filter, pixels).width() pixels; those of `pixels` begin at its pixel (side - 1, side - 1) and get all that the records
 // give them.
-void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
-                 std::span<const Segment> segments, const PixelRect& pixels, double* patch);
+void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, std::span<const Segment> segments,
+                 const PixelRect& pixels, double* patch);
 inline PixelRect patch_of(const FilterKernel& filter, const PixelRect& pixels) {
     const int margin = filter.side() - 1;
     return {pixels.x0 - margin, pixels.y0 - margin, pixels.x1 + margin, pixels.y1 + margin};
