@@ -48,48 +48,57 @@ TEST(Forecast, OnABusyMachineTimeIsThatOfTheProcessorsShareAndOfFiles) {
     EXPECT_LE(share, 1);
 }
 
-// Costs that are linear in pixels and in bytes decoded and drawn, of pictures from small to far too large to be tried, by pages of
-// any size: the forecast is exact, and the trials do not depend on the size.
+// Costs that are linear in pixels, in bytes decoded and drawn, and in segments, of pictures from small to far too large to be
+// tried, by pages of any size: the forecast is exact, and the trials do not depend on the size.
 TEST(Forecast, OfAPictureOfAnySizeTakesNoLonger) {
     struct Machine {
         double setup, pixel, decode, draw;  // seconds
     };
-    constexpr std::size_t kRuns = 400;
-    constexpr double kRun = 16 << 20;  // bytes
+    struct Runs {
+        std::size_t count;
+        double bytes;    // of each
+        int page_level;  // pages are such parts of the film
+    };
     constexpr int kReach = 3;
+    constexpr double kSegment = 0.09e-6;  // seconds
     for (const Machine& machine :
          {Machine{0.02, 60e-9, 4e-9, 3e-9}, {0.001, 10e-9, 0.05e-9, 0.1e-9}, {0, 200e-9, 1e-9, 7e-9}, {0.003, 0, 3e-9, 0}}) {
         for (const std::uint32_t side : {100u, 512u, 3000u, 18000u, 200000u}) {
-            for (const int page_level : {1, 3, 5}) {
+            for (const Runs& file : {Runs{40000, 1 << 17, 0}, {400, 16 << 20, 1}, {400, 16 << 20, 3}, {400, 16 << 20, 5}}) {
+                const auto runs = static_cast<double>(file.count);
                 double spent = 0;
                 const auto pixels = [](const PixelRect& r) { return static_cast<double>(r.width() * r.height()); };
                 // Share of the film that pages cover along an axis, those that cells first .. last - 1 reach.
                 const auto covered = [&](std::int64_t first, std::int64_t last, int level) {
-                    const double cells = std::max(1.0, std::exp2(level - page_level));  // of a page
+                    const double cells = std::max(1.0, std::exp2(level - file.page_level));  // of a page
                     const double pages =
                         std::ceil(static_cast<double>(last) / cells) - std::floor(static_cast<double>(first) / cells);
                     return pages * cells / std::exp2(level);
                 };
                 const PictureTrial trial = [&](const TrialPicture& p) -> Result<TrialOutcome> {
-                    const double runs = kRun * static_cast<double>(p.runs);
+                    const double bytes = file.bytes * static_cast<double>(p.runs);
                     const FilmGrid grid(p.width, p.height, kReach);
                     const PixelRect cells = grid.cells_reaching(p.crop);
                     const double decoded =
-                        runs * covered(cells.x0, cells.x1, grid.level()) * covered(cells.y0, cells.y1, grid.level());
-                    const double drawn = runs * pixels(cells) / std::exp2(2 * grid.level());
-                    const double seconds =
-                        machine.setup + machine.pixel * pixels(p.crop) + machine.decode * decoded + machine.draw * drawn;
+                        bytes * covered(cells.x0, cells.x1, grid.level()) * covered(cells.y0, cells.y1, grid.level());
+                    const double drawn = bytes * pixels(cells) / std::exp2(2 * grid.level());
+                    const double segments = static_cast<double>(p.runs) * pixels(cells);
+                    const double seconds = machine.setup + machine.pixel * pixels(p.crop) + machine.decode * decoded +
+                                           machine.draw * drawn + kSegment * segments;
                     spent += seconds;
-                    return TrialOutcome{{seconds, seconds, 0}, static_cast<std::uint64_t>(decoded), 0};
+                    return TrialOutcome{
+                        {seconds, seconds, 0}, static_cast<std::uint64_t>(decoded), static_cast<std::uint64_t>(segments)};
                 };
                 const PixelRect whole{0, 0, side, side};
-                const double decoded = (side > 10000 ? 1.5 : 1) * kRuns * kRun;  // some twice, if memory is small
-                const Result<TrialOutcome> expected = extrapolate({side, side, whole, kRuns, kReach}, decoded, trial);
+                const double decoded = (side > 10000 ? 1.5 : 1) * runs * file.bytes;  // some twice, if memory is small
+                const double segments = runs * std::exp2(2 * FilmGrid(side, side, kReach).level());
+                const Result<TrialOutcome> expected =
+                    extrapolate({side, side, whole, file.count, kReach}, {decoded, segments}, trial);
                 ASSERT_TRUE(expected);
-                const double truth =
-                    machine.setup + machine.pixel * pixels(whole) + machine.decode * decoded + machine.draw * kRuns * kRun;
-                EXPECT_NEAR(expected->cost.cpu / truth, 1, 0.03) << side << " " << machine.decode << " " << page_level;
-                EXPECT_LE(spent, 1.9 + 8 * machine.setup) << side << " " << machine.decode << " " << page_level;
+                const double truth = machine.setup + machine.pixel * pixels(whole) + machine.decode * decoded +
+                                     machine.draw * runs * file.bytes + kSegment * segments;
+                EXPECT_NEAR(expected->cost.cpu / truth, 1, 0.03) << side << " " << machine.decode << " " << file.page_level;
+                EXPECT_LE(spent, 1.9 + 8 * machine.setup) << side << " " << machine.decode << " " << file.page_level;
             }
         }
     }

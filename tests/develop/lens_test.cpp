@@ -405,6 +405,12 @@ TEST_F(LensTool, WritesTheFramesOfASequence) {
         EXPECT_TRUE(std::filesystem::exists(reports[i]["output"].get<std::string>()));
     }
     std::filesystem::remove(folder_ / "a.0001.exr");
+    const testing::Outcome dry = develop(true, true, {"--frames", "3", "--json", "--dry-run"});
+    ASSERT_EQ(dry.status, 0) << dry.err;
+    const nlohmann::json forecast = nlohmann::json::parse(dry.out);
+    EXPECT_EQ(forecast["pictures"], 3);
+    EXPECT_EQ(forecast["output"], reports[0]["output"]);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.0001.exr"));
     const auto at = [&](const char* name) { return (folder_ / name).string(); };
     EXPECT_EQ(testing::run({testing::tool("latent-develop"), at("a.latent"), "-o", at("a.exr"), "--frames", "3"}).status, 1);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "a.0001.exr"));

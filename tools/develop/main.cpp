@@ -22,8 +22,7 @@ int main(int argc, char** argv) try {
     app.add_flag("--dry-run", dry_run,
                  "develop some runs and pixels for up to two seconds, then print the expected time, memory and file size, and the "
                  "free space; needs no --output")
-        ->excludes(app.get_option("--budget"))
-        ->excludes(app.get_option("--frames"));
+        ->excludes(app.get_option("--budget"));
     cli::add_common(app, common, true);
     app.parse_complete_callback([&] {
         const bool is_more = options.layers.any() || options.denoise > 0 || options.mipmap || options.zip || options.frames > 1;

@@ -33,8 +33,8 @@ constexpr std::uint64_t kLargePage = 2 << 20;                // touching the sla
 constexpr std::uint64_t kThreadBytes = 2 << 20;              // a decoded page and what the decoder holds
 
 // Where all records are in memory, panes are no larger than this. Smaller ones share more tiles and sums with their neighbours,
-// which costs more than the caches could save; larger ones gain nothing.
-constexpr std::uint64_t kMaxPane = 512 << 20;
+// which costs more than the caches could save; larger ones gain nothing, and the system must clear their memory first.
+constexpr std::uint64_t kMaxPane = 128 << 20;
 
 // Records that the headers promise of the selected samples: their share of the run's.
 struct ExpectedRecords {
@@ -85,11 +85,11 @@ class Engine {
         share_memory(sink);
     }
 
-    Result<double> planned_bytes() const {
+    Result<PlannedWork> planned_work() const {
         const Result<Plan> plan = make_plan();
         if (!plan) return plan.error();
         if (Status s = check_room(*plan); !s) return s.error();
-        return static_cast<double>(plan->stored_bytes()) * plan->decode_factor(slab_bytes_);
+        return PlannedWork{static_cast<double>(plan->stored_bytes()) * plan->decode_factor(slab_bytes_), plan->segments()};
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
@@ -416,6 +416,7 @@ class Engine {
         const DecodeCounts& decoded = loader_.counts();
         counts.pages_decoded = decoded.pages;
         counts.page_bytes_decoded = decoded.bytes;
+        counts.segments = decoded.segments;
         counts.camera_records = decoded.camera_records;
         counts.light_records = decoded.light_records;
         counts.camera_not_finite = decoded.camera_not_finite;
@@ -455,11 +456,11 @@ Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& c
     return Engine(run_set, channels, settings, sink).run(progress);
 }
 
-Result<double> planned_bytes(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings) {
+Result<PlannedWork> planned_work(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings) {
     class NoSink final : public TileSink {
         Status write(int, int, std::span<const float>) override { return {}; }
     } none;
-    return Engine(run_set, channels, settings, none).planned_bytes();
+    return Engine(run_set, channels, settings, none).planned_work();
 }
 
 }  // namespace latent::develop

@@ -33,6 +33,7 @@ struct DevelopCounts {
     std::uint64_t regions = 0, batches = 0, panes = 0;
     std::uint64_t pages = 0, pages_decoded = 0;  // pages that the crop needs; decoded, repeats included
     std::uint64_t page_bytes = 0, page_bytes_decoded = 0;
+    std::uint64_t segments = 0;  // of records of one page in one cell
     std::uint64_t camera_not_finite = 0, light_not_finite = 0;
     std::uint64_t fallback_pixels = 0, empty_pixels = 0;
     DimmedLight camera_dimmed, light_dimmed;  // fireflies
@@ -49,8 +50,11 @@ inline constexpr std::uint32_t kMaxSide = std::uint32_t{1} << 23;  // pixels
 Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings, TileSink& sink,
                               const Progress& progress = {});
 
-// Bytes of pages, on disk, that would be decoded: more than there are if Settings::memory is too small to decode each once. Errors:
-// of reading.
-Result<double> planned_bytes(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings);
+// Bytes of pages, on disk, that would be decoded: more than there are if Settings::memory is too small to decode each once. And
+// about how many segments they would make. Errors: of reading.
+struct PlannedWork {
+    double bytes = 0, segments = 0;
+};
+Result<PlannedWork> planned_work(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings);
 
 }  // namespace latent::develop

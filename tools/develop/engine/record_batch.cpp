@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -104,6 +105,13 @@ std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const Pixel
     if (common.empty()) return 0;
     if (grid_.level() > kSortedLevels) return page.record_count;
     return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
+}
+
+double Loader::expected_segments(const sampledb::PageInfo& page, const PixelRect& cells) const {
+    const auto area = [](const PixelRect& r) { return static_cast<double>(r.width()) * static_cast<double>(r.height()); };
+    const PixelRect common = reached(page, cells);
+    if (common.empty()) return 0;
+    return area(common) * -std::expm1(-static_cast<double>(page.record_count) / area(grid_.cells_of(page.node, page.part)));
 }
 
 std::uint64_t Loader::thread_bytes() const {
@@ -343,6 +351,7 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     if (cells.size() > pieces_at_most(ref.info, filling.cells)) {
         return Error{ErrorCode::kCorrupt, fmt::format("run {}: the records of a page are not in order", ref.run)};
     }
+    counts_.segments += cells.size();
     std::uint32_t count = 0;
     for (const CellRows& rows : cells) count += rows.count;
     if (filling.counting)

@@ -46,7 +46,8 @@ void segments_in_order(std::span<const RecordBatch* const> batches, const PageRa
                        std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<std::span<const Segment>>& found);
 
 struct DecodeCounts {
-    std::atomic<std::uint64_t> pages = 0, bytes = 0;                   // decoded, repeats included
+    std::atomic<std::uint64_t> pages = 0, bytes = 0;  // decoded, repeats included
+    std::atomic<std::uint64_t> segments = 0;
     std::atomic<std::uint64_t> camera_records = 0, light_records = 0;  // taken into batches
     std::atomic<std::uint64_t> camera_not_finite = 0, light_not_finite = 0;
 };
@@ -64,6 +65,8 @@ class Loader {
     // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     static std::uint64_t index_bytes(const PixelRect& cells);
+    // About how many segments a page makes in `cells`, if its records lie anywhere in its part of the film.
+    double expected_segments(const sampledb::PageInfo& page, const PixelRect& cells) const;
     // Bytes that each thread needs beside a decoded page.
     std::uint64_t thread_bytes() const;
 

@@ -49,6 +49,7 @@ Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, c
             plan.min_batch_ = std::max(plan.min_batch_, bytes + Loader::index_bytes({0, 0, 1, 1}));
             ++plan.pages_;
             plan.stored_bytes_ += page.stored_size;
+            plan.segments_ += loader.expected_segments(page, needed);
             reached += bytes * (page.part == sampledb::NodePart::kAnywhere ? 2 : 1);
             const int level = std::min<int>(page.node.level, static_cast<int>(plan.inside_.size()) - 1);
             std::uint64_t z = sampledb::z_code(page.node.x, page.node.y) >> (2 * (page.node.level - level));

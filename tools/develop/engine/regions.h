@@ -55,6 +55,7 @@ class Plan {
     std::uint64_t min_room() const { return min_batch_ + cell_bytes_.window + cell_bytes_.positive; }
     std::uint64_t pages() const { return pages_; }
     std::uint64_t stored_bytes() const { return stored_bytes_; }  // of the pages, on disk
+    double segments() const { return segments_; }                 // that they will make, about
 
  private:
     Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs);
@@ -78,6 +79,7 @@ class Plan {
     std::vector<std::vector<std::uint64_t>> inside_;  // bytes of records of pages that lie in a node, by level and Z order
     double reach_ = 1;                                // share of its node that a page lies in, on average
     std::uint64_t min_batch_, pages_ = 0, stored_bytes_ = 0;
+    double segments_ = 0;
 };
 
 }  // namespace latent::develop

@@ -40,8 +40,9 @@ Cost at_most(const Cost& a, const Cost& b) {
 CostMeter::CostMeter() : begin_(now()) {}
 Cost CostMeter::so_far() const { return now() - begin_; }
 
-Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial) {
-    constexpr double kMaxGrowth = 4;
+Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial, double known_of_most) {
+    constexpr double kMaxGrowth = 64;
+    constexpr double kUncertain = 0.05;  // of what is known
     constexpr std::size_t kRepeats = 2, kLastRepeats = 4;
     LinearCost cost;
     Tried first, last;
@@ -50,14 +51,14 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         const Result<Tried> tried = trial(amount);
         if (!tried) return tried.error();
         cost.spent = cost.spent + tried->cost;
-        repeated.push_back(*tried);
+        repeated.push_back({tried->amount, at_least(tried->cost - tried->known, {})});
         std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
         last = repeated.front();
         // While other programs had the processor, nothing was measured; but nobody waits for ever.
         const double left = std::min(seconds - (cost.spent.wall - cost.spent.queued), 2 * seconds - cost.spent.wall);
         const bool is_first = first.amount == 0 || last.amount == first.amount;
         const bool is_alone = repeated.size() == 1;  // its memory was new, which may cost as much again, or twice
-        if (is_alone && (is_first ? last.cost.wall < left / 10 : left > 0)) continue;
+        if (is_alone && (is_first ? tried->cost.wall < left / 10 : tried->cost.alone() < seconds)) continue;
         cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
         if (last.amount > first.amount && first.amount > 0) {
             const Cost slope = (last.cost - first.cost) * (1 / (last.amount - first.amount));
@@ -66,8 +67,10 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
             first = last;
         }
         cost.fixed = at_least(last.cost - cost.each * last.amount, {});
+        const double known = tried->known.alone(), more_known = std::max(known_of_most - known, 0.0) / std::max(most - amount, 1.0);
         const auto affordable = [&](double tries) {
-            const double count = (left / tries - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
+            const double each = std::max({cost.each.alone(), kUncertain * known / amount, 1e-12}) + more_known;
+            const double count = (left / tries - known + more_known * amount - cost.fixed.alone()) / each;
             return std::min({kMaxGrowth * amount, count, most});
         };
         double next = affordable(kRepeats + 1);
@@ -75,7 +78,7 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         if (next > amount && next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
             repeated.clear();
-        } else if (repeated.size() == kLastRepeats || left < last.cost.wall) {
+        } else if (repeated.size() == kLastRepeats || (left < tried->cost.wall && !(is_alone && tried->cost.alone() < seconds))) {
             return cost;
         }
     }

@@ -21,6 +21,7 @@ struct Cost {
     Cost operator-(const Cost& other) const { return *this + other * -1; }
     Cost operator*(double factor) const { return {wall * factor, cpu * factor, queued * factor, serial * factor}; }
 
+    double alone() const { return std::max(0.0, wall - queued); }  // seconds that pass if no other program computes
     // What one thread has waited for anything but a processor: for files.
     double waiting() const { return std::max(0.0, wall - cpu - queued); }
 };
@@ -38,10 +39,10 @@ class CostMeter {
     Cost begin_;
 };
 
-// Some work, in any unit, and what it cost.
+// Some work, in any unit, and what it cost; `known` of that is not asked for.
 struct Tried {
     double amount = 0;
-    Cost cost;
+    Cost cost, known = {};
 };
 // Does about `amount` of the work, to see what it costs.
 using Trial = std::function<Result<Tried>(double amount)>;
@@ -53,11 +54,12 @@ struct LinearCost {
     Cost of(double amount) const { return fixed + each * amount; }
 };
 
-// Tries `least`, then more: each amount is up to four times the last, and at most `most`. Ends after about `seconds`, or up to
+// Tries `least`, then more: each amount is up to 64 times the last, and at most `most`. Ends after about `seconds`, or up to
 // twice that if other programs have the processor meanwhile, or when an amount costs `enough` seconds of CPU time more than the
 // first. The cheapest of two tries of an amount counts, or of four of the last; `least` is tried once where time is short, and if
-// there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
-Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
+// there was no time for more, all of its cost is taken to be that of its amount. `known_of_most`: Tried::known of the largest
+// amount, in seconds. Errors: those of `trial`.
+Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial, double known_of_most = 0);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
 // computing for 0.3 s.

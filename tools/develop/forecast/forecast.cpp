@@ -17,7 +17,9 @@
 namespace latent::develop {
 
 std::string to_text(const Forecast& f) {
-    std::string text = fmt::format("{}: {} x {} pixels of {} x {}", f.output, f.crop.width(), f.crop.height(), f.width, f.height);
+    const std::string all = f.pictures > 1 ? fmt::format("{} pictures, ", f.pictures) : "";
+    std::string text =
+        fmt::format("{}: {}{} x {} pixels of {} x {}", f.output, all, f.crop.width(), f.crop.height(), f.width, f.height);
     if (f.seconds)
         text += fmt::format(", about {} ({} of CPU time)", format_duration(*f.seconds), format_duration(f.cpu_seconds.value_or(0)));
     text += fmt::format("; {} of memory", format_size(std::min(f.memory, f.memory_for_all)));
@@ -31,6 +33,7 @@ std::string to_text(const Forecast& f) {
 
 std::string to_json(const Forecast& f) {
     nlohmann::json json = {{"output", f.output},
+                           {"pictures", f.pictures},
                            {"width", f.width},
                            {"height", f.height},
                            {"crop", {f.crop.x0, f.crop.y0, f.crop.x1, f.crop.y1}},
@@ -131,10 +134,11 @@ PixelRect piece_of(const TrialPicture& picture, double pixels) {
 
 }  // namespace
 
-Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, const PlannedWork& work, const PictureTrial& trial) {
     constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.3;
-    constexpr double kDecodeEnough = 0.06;  // of what a piece decodes at least
-    constexpr double kFewPixels = 1 << 17;
+    constexpr double kDecodeEnough = 0.1;  // of what a piece decodes at least
+    constexpr double kFewPixels = 1 << 16;
+    constexpr double kSegmentSeconds = 0.09e-6;  // for what lies anywhere in memory; measured
     TrialOutcome last;
     const auto runs = static_cast<double>(picture.runs);
     const double pixels_in_all = area(picture.crop);
@@ -155,7 +159,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     const Result<LinearCost> decoding = measure(kDecodeSeconds, 1, runs, kDecodeEnough, decode);
     if (!decoding) return decoding.error();
     const Cost once = at_least(first->cost - decoding->of(1), {});  // done once in a process
-    const Cost byte = decoding->each * (1 / std::max(decoded_for_one, 1.0));
+    Cost byte = decoding->each * (1 / std::max(decoded_for_one, 1.0));
 
     // Pieces of a smaller picture, from so many runs that these give each pixel as many bytes as all give it in the end: emptier
     // pixels would compress faster, and fuller ones take longer. As many runs as possible, though: records of a cell that come from
@@ -172,17 +176,22 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
         last = *tried;
         tried_pixels = area(piece.crop);
         times = drawn_runs(picture) / drawn_runs(piece);
-        return Tried{tried_pixels, tried->cost};
+        // One pixel of few runs is mostly other work than decoding.
+        byte = at_most(byte, tried->cost * (1 / std::max(static_cast<double>(tried->decoded), 1.0)));
+        const Cost known = decoding->fixed + byte * static_cast<double>(tried->decoded);
+        return Tried{tried_pixels, tried->cost, known};
     };
     // A page's part of the film is the least that draws what it must decode.
-    const double page_pixels = decoded_for_one * runs / std::max(decoded, 1.0) * area(part.crop);
-    const Result<LinearCost> pixels =
-        measure(kSeconds - kDecodeSeconds, std::min(kFewPixels, 2 * page_pixels), area(part.crop), kEnough, develop);
+    const double page_pixels = decoded_for_one * runs / std::max(work.bytes, 1.0) * area(part.crop);
+    const Result<LinearCost> pixels = measure(kSeconds - kDecodeSeconds, std::min(kFewPixels, 2 * page_pixels), area(part.crop),
+                                              kEnough, develop, byte.alone() * work.bytes * affordable / runs);
     if (!pixels) return pixels.error();
-    const Cost drawing = at_least(pixels->of(tried_pixels) - decoding->fixed - byte * static_cast<double>(last.decoded), {});
+    const double more_segments = std::max(0.0, work.segments - static_cast<double>(last.segments) * times);
+    const double seeking = kSegmentSeconds * more_segments;
     TrialOutcome out;
-    out.cost = once + decoding->fixed + drawing * times + byte * decoded;
-    out.decoded = static_cast<std::uint64_t>(decoded);
+    out.cost =
+        once + decoding->fixed + pixels->fixed + pixels->each * (tried_pixels * times) + byte * work.bytes + Cost{seeking, seeking};
+    out.decoded = static_cast<std::uint64_t>(work.bytes);
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

@@ -8,13 +8,15 @@
 #include <string>
 
 #include "base/result.h"
+#include "tools/develop/engine/develop.h"
 #include "tools/develop/film/film_grid.h"
 #include "tools/develop/forecast/estimate.h"
 
 namespace latent::develop {
 
 struct Forecast {
-    std::string output;
+    std::string output;                   // of the first
+    std::uint32_t pictures = 1;           // of an exposure that is cut into frames; the seconds and file_bytes are those of all
     std::uint32_t width = 0, height = 0;  // of the whole film
     PixelRect crop;
     std::optional<double> seconds, cpu_seconds;         // none: the picture does not fit, so nobody waits for it
@@ -43,14 +45,14 @@ struct TrialPicture {
 };
 struct TrialOutcome {
     Cost cost;
-    std::uint64_t decoded = 0;          // bytes of pages, on disk
+    std::uint64_t decoded = 0;  // bytes of pages, on disk
+    std::uint64_t segments = 0;
     std::uint64_t temporary_bytes = 0;  // on disk
 };
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
 // What `picture` will cost, from trials of about 1.2 seconds in all: one pixel of it for the cost of a byte of pages that is
-// decoded, then pieces for that of drawing. `decoded`: bytes of pages that will be decoded for it, repeats included. Errors: those
-// of `trial`.
-Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial);
+// decoded, then pieces for that of drawing. Errors: those of `trial`.
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, const PlannedWork& work, const PictureTrial& trial);
 
 }  // namespace latent::develop

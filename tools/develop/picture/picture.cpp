@@ -488,7 +488,9 @@ class TimedPicture final : public PictureSink {
 
 }  // namespace
 
-Result<Forecast> forecast_picture(const PictureOptions& given) {
+namespace {
+
+Result<Forecast> forecast_one(const PictureOptions& given, std::uint32_t pictures) {
     const CostMeter preparing;
     if (Status s = set_simd_level(given.simd); !s) return s.error();
     const sampledb::RunSetOptions selection = run_set_options(given, sampledb::VerifyLevel::kHeaders);
@@ -511,16 +513,17 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
 
     Forecast forecast;
     forecast.output = asked.output.string();
+    forecast.pictures = pictures;
     forecast.width = whole->report.width, forecast.height = whole->report.height;
     forecast.crop = whole->report.crop;
-    forecast.file_bytes = whole->report.file_bytes;
+    forecast.file_bytes = pictures * whole->report.file_bytes;
     forecast.memory = asked.memory;
     forecast.memory_for_all = whole->report.memory_for_all;
     forecast.free_bytes = free_space(asked.output, asked.replace);
     if (!forecast.fits() && !asked.ignore_space) return forecast;
-    Result<double> decoded = 0.0;
-    Threads(asked.threads).run([&] { decoded = planned_bytes(wanted, whole->channels, whole->settings); });
-    if (!decoded) return decoded.error();
+    Result<PlannedWork> work = PlannedWork{};
+    Threads(asked.threads).run([&] { work = planned_work(wanted, whole->channels, whole->settings); });
+    if (!work) return work.error();
     const Cost prepared = preparing.so_far();
 
     const PictureTrial trial = [&](const TrialPicture& picture) -> Result<TrialOutcome> {
@@ -537,18 +540,24 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         if (!tried) return tried.error();
         Cost cost = meter.so_far();
         cost.serial = sink.writing();
-        return TrialOutcome{cost, tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
+        return TrialOutcome{cost, tried->counts.page_bytes_decoded, tried->counts.segments, tried->counts.temporary_bytes};
     };
     const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs, whole->settings.filter.reach()};
-    const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
+    const Result<TrialOutcome> expected = extrapolate(picture, *work, trial);
     if (!expected) return expected.error();
     const Cost cost = prepared + expected->cost;
     const int threads = Threads::count_of(asked.threads);
     const double developing = seconds_with(cost, threads, processor_share(threads));
-    forecast.seconds = developing + seconds_to_reach_disk(forecast.file_bytes, folder_of(asked.output));
-    forecast.cpu_seconds = cost.cpu;
+    forecast.seconds = pictures * developing + seconds_to_reach_disk(forecast.file_bytes, folder_of(asked.output));
+    forecast.cpu_seconds = pictures * cost.cpu;
     forecast.temporary_bytes = expected->temporary_bytes;
     return forecast;
+}
+
+}  // namespace
+
+Result<Forecast> forecast_picture(const PictureOptions& options) {
+    return forecast_one(frames_of(options).front(), options.frames);  // one frame takes as long as another
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress) {
