@@ -93,7 +93,7 @@ TEST(Forecast, OfAPictureOfAnySizeTakesNoLonger) {
                 const double decoded = (side > 10000 ? 1.5 : 1) * runs * file.bytes;  // some twice, if memory is small
                 const double segments = runs * std::exp2(2 * FilmGrid(side, side, kReach).level());
                 const Result<TrialOutcome> expected =
-                    extrapolate({side, side, whole, file.count, kReach}, {decoded, segments}, trial);
+                    extrapolate({side, side, whole, file.count, kReach}, decoded, segments, trial);
                 ASSERT_TRUE(expected);
                 const double truth = machine.setup + machine.pixel * pixels(whole) + machine.decode * decoded +
                                      machine.draw * runs * file.bytes + kSegment * segments;

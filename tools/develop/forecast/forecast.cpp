@@ -134,7 +134,7 @@ PixelRect piece_of(const TrialPicture& picture, double pixels) {
 
 }  // namespace
 
-Result<TrialOutcome> extrapolate(const TrialPicture& picture, const PlannedWork& work, const PictureTrial& trial) {
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, double segments, const PictureTrial& trial) {
     constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.3;
     constexpr double kDecodeEnough = 0.1;  // of what a piece decodes at least
     constexpr double kFewPixels = 1 << 16;
@@ -182,16 +182,16 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, const PlannedWork&
         return Tried{tried_pixels, tried->cost, known};
     };
     // A page's part of the film is the least that draws what it must decode.
-    const double page_pixels = decoded_for_one * runs / std::max(work.bytes, 1.0) * area(part.crop);
+    const double page_pixels = decoded_for_one * runs / std::max(decoded, 1.0) * area(part.crop);
     const Result<LinearCost> pixels = measure(kSeconds - kDecodeSeconds, std::min(kFewPixels, 2 * page_pixels), area(part.crop),
-                                              kEnough, develop, byte.alone() * work.bytes * affordable / runs);
+                                              kEnough, develop, byte.alone() * decoded * affordable / runs);
     if (!pixels) return pixels.error();
-    const double more_segments = std::max(0.0, work.segments - static_cast<double>(last.segments) * times);
+    const double more_segments = std::max(0.0, segments - static_cast<double>(last.segments) * times);
     const double seeking = kSegmentSeconds * more_segments;
     TrialOutcome out;
     out.cost =
-        once + decoding->fixed + pixels->fixed + pixels->each * (tried_pixels * times) + byte * work.bytes + Cost{seeking, seeking};
-    out.decoded = static_cast<std::uint64_t>(work.bytes);
+        once + decoding->fixed + pixels->fixed + pixels->each * (tried_pixels * times) + byte * decoded + Cost{seeking, seeking};
+    out.decoded = static_cast<std::uint64_t>(decoded);
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "base/result.h"
-#include "tools/develop/engine/develop.h"
 #include "tools/develop/film/film_grid.h"
 #include "tools/develop/forecast/estimate.h"
 
@@ -52,7 +51,8 @@ struct TrialOutcome {
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
 // What `picture` will cost, from trials of about 1.2 seconds in all: one pixel of it for the cost of a byte of pages that is
-// decoded, then pieces for that of drawing. Errors: those of `trial`.
-Result<TrialOutcome> extrapolate(const TrialPicture& picture, const PlannedWork& work, const PictureTrial& trial);
+// decoded, then pieces for that of drawing. `decoded`: bytes of pages that will be decoded for it, repeats included; `segments`:
+// that these have. Errors: those of `trial`.
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, double segments, const PictureTrial& trial);
 
 }  // namespace latent::develop

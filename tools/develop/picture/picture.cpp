@@ -543,7 +543,7 @@ Result<Forecast> forecast_one(const PictureOptions& given, std::uint32_t picture
         return TrialOutcome{cost, tried->counts.page_bytes_decoded, tried->counts.segments, tried->counts.temporary_bytes};
     };
     const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs, whole->settings.filter.reach()};
-    const Result<TrialOutcome> expected = extrapolate(picture, *work, trial);
+    const Result<TrialOutcome> expected = extrapolate(picture, work->bytes, work->segments, trial);
     if (!expected) return expected.error();
     const Cost cost = prepared + expected->cost;
     const int threads = Threads::count_of(asked.threads);
