@@ -143,6 +143,19 @@ def with_profile(data):
     data.node_tree.links.new(node.outputs[0], data.node_tree.nodes["Emission"].inputs["Strength"])
 
 
+@feature(1, "" if NEW else "Cycles 3.4 multiplies a spot by the cosine from its axis; 4.0 and Latent do not")
+def spot_scaled():
+    """An oval cone since Blender 4."""
+    lit_floor()
+    lamp("SPOT", 10, shadow_soft_size=0, spot_size=0.8, spot_blend=0.3).scale = (1.5, 0.6, 1)
+
+
+@feature(1)
+def lamp_seen():
+    lit_floor()
+    lamp("POINT", 10, shadow_soft_size=0.2).visible_camera = True
+
+
 @feature(1)
 def lamp_profile():
     lit_floor()
@@ -584,6 +597,16 @@ def principled_glass():
 @feature(5, "the diffuse part is Lambert's in Latent, Burley's in 3.4", kind="ball")
 def principled_alpha():
     on_show(principled(Base_Color=(0.2, 0.5, 0.3, 1), Alpha=0.5, Specular=0.0)[0])
+
+
+@feature(5, kind="ball")
+def principled_alpha_of_an_opaque_picture():
+    made, tree, node = principled(Roughness=0.6, Specular=0.0)
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation = picture_image(), "Closest"
+    tree.links.new(texture.outputs["Color"], node.inputs["Base Color"])
+    tree.links.new(texture.outputs["Alpha"], node.inputs["Alpha"])
+    on_show(made)
 
 
 @feature(5, "bumps are of different heights at the scale of a texel")

@@ -100,13 +100,13 @@ check("and back", "back to an earlier job" in render() and engine.last["samples"
 
 # Cancelled, and resumed.
 settings.samples, settings.seed = 100000, 7
-asked = []
-stopped, engine.LatentEngine.stopped = engine.LatentEngine.stopped, lambda self: asked.append(1) or len(asked) > 5
+shares, kept = [], (engine.LatentEngine.stopped, engine.LatentEngine.progress)
+engine.LatentEngine.stopped, engine.LatentEngine.progress = lambda self: any(shares), lambda self, share, word: shares.append(share)
 render()
 part = engine.last["samples"]
 left = [path.name for path in pathlib.Path(part).parent.iterdir() if pathlib.Path(part).name in path.name]
 check("a cancelled render keeps its part, and shows it", left and not pathlib.Path(part).exists(), left)
-engine.LatentEngine.stopped = stopped
+engine.LatentEngine.stopped, engine.LatentEngine.progress = kept
 settings.samples = 64
 render()
 check("and resumes", pathlib.Path(part).exists() and engine.last["samples"] == part and count() >= 64 * 1200, left)
@@ -182,6 +182,131 @@ world_tree.links.new(sky.outputs[0], world_end)
 render()
 check("one in a group is listed", any("Light Path" in line for line in engine.last["lost"]), engine.last["lost"])
 world_tree.nodes.remove(math_node)
+
+# A camera clips nothing: what Cycles would cut away is listed, and no more. The floor is 5 away.
+camera = scene.camera.data
+for start, end, word in ((0.1, 100, None), (4.9, 5.1, None), (5.1, 100, "Clip Start"), (0.1, 4.9, "Clip End")):
+    camera.clip_start, camera.clip_end = start, end
+    render()
+    check(f"clipping from {start} to {end} lists {word}", [line for line in engine.last["lost"] if "Clip" in line] == ([f"camera {camera.name}: what is {'nearer than' if start > 5 else 'beyond'} {word} stays visible"] if word else []), engine.last["lost"])
+camera.clip_start, camera.clip_end = 0.1, 100
+settings.max_depth = 15
+check("fewer bounces are named", "bounces changed" in render(), engine.last["word"])
+settings.max_depth = 16
+
+# A card just above the floor: pictures without transparency stop all light, whatever their alpha feeds.
+bpy.ops.mesh.primitive_plane_add(size=40, location=(0, 0, 0.01))
+card = bpy.context.object
+paper = bpy.data.materials.new("paper")
+paper.use_nodes = True
+plain, lookup = paper.node_tree.nodes["Principled BSDF"], paper.node_tree.nodes.new("ShaderNodeTexImage")
+card.data.materials.append(paper)
+paper.node_tree.links.new(lookup.outputs["Color"], plain.inputs["Base Color"])
+for kind, is_float in (("PNG", False), ("JPEG", False), ("", False), ("", True)):
+    lookup.image = bpy.data.images.new("paper", 8, 8, float_buffer=is_float)
+    lookup.image.pixels.foreach_set(np.tile(np.array([0.2, 0.6, 0.3, 1], np.float32), 64))
+    if kind:
+        lookup.image.filepath_raw, lookup.image.file_format = str(folder / f"paper.{kind.lower()}"), kind
+        lookup.image.save()
+    render()
+    opaque = picture()
+    link = paper.node_tree.links.new(lookup.outputs["Alpha"], plain.inputs["Alpha"])
+    render()
+    check(f"a picture without transparency is opaque ({kind or 'generated'})", np.array_equal(picture(), opaque) and opaque[..., 1].mean() > 1.2 * opaque[..., 0].mean(), picture().mean((0, 1)), opaque.mean((0, 1)))
+    paper.node_tree.links.remove(link)
+holes = np.tile(np.array([0.2, 0.6, 0.3, 0], np.float32), (8, 8, 1))
+for is_float in (False, True):
+    lookup.image = bpy.data.images.new("holes", 8, 8, alpha=True, float_buffer=is_float)
+    lookup.image.pixels.foreach_set(holes.ravel())
+    link = paper.node_tree.links.new(lookup.outputs["Alpha"], plain.inputs["Alpha"])
+    render()
+    check(f"one of alpha 0 is not there ({'float' if is_float else 'bytes'})", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), picture().mean((0, 1)), expected)
+    paper.node_tree.links.remove(link)
+# An attribute of numbers is grey.
+grey = card.data.attributes.new("grey", "FLOAT", "FACE")
+grey.data[0].value = 0.5
+named = paper.node_tree.nodes.new("ShaderNodeAttribute")
+named.attribute_name = "grey"
+flat_end, even = paper.node_tree.nodes["Material Output"], paper.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+paper.node_tree.links.new(named.outputs["Color"], even.inputs["Color"])
+paper.node_tree.links.new(even.outputs[0], flat_end.inputs["Surface"])
+render()
+check("numbers of faces are grey", not any("grey" in line for line in engine.last["lost"]) and np.allclose(picture().mean((0, 1)), expected, rtol=5e-3), engine.last["lost"], picture().mean((0, 1)), expected)
+bpy.data.objects.remove(card)
+
+# A lamp that the camera may see is seen.
+bpy.ops.object.light_add(type="POINT", location=(0, 0, 2))
+bulb = bpy.context.object
+bulb.data.energy, bulb.data.shadow_soft_size = 20, 0.3
+render()
+without = picture()[15, 20, 1]
+bulb.visible_camera = True
+render()
+radiance = 20 / (4 * np.pi**2 * 0.3**2)
+check("a lamp is in the picture if its Ray Visibility says so", without < 2 and np.isclose(picture()[15, 20, 1], radiance, rtol=5e-3), without, picture()[15, 20], radiance)
+bpy.data.objects.remove(bulb)
+
+# A sky of few texels is smooth, as in Cycles.
+texels = bpy.data.images.new("sky", 8, 4, float_buffer=True)
+values = np.ones((4, 8, 4), np.float32)
+values[..., :3] = np.array([1.0, 3.0])[np.indices((4, 8)).sum(0) % 2, None]
+texels.pixels.foreach_set(values.ravel())
+panorama = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+panorama.image = texels
+link = world.node_tree.links.new(panorama.outputs["Color"], world.node_tree.nodes["Background"].inputs["Color"])
+place = scene.camera.rotation_euler.copy()
+scene.camera.rotation_euler = (np.pi / 2, 0, 0)
+bpy.data.objects["Plane"].hide_render, sun.hide_render = True, True
+seen = {}
+for name in ("LATENT", "CYCLES"):
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = name, 64, False
+    bpy.ops.render.render(write_still=True)
+    seen[name] = picture()
+scene.render.engine = "LATENT"
+check("a sky of few texels is as smooth as in Cycles", np.abs(seen["LATENT"] - seen["CYCLES"]).mean() < 0.01 * seen["CYCLES"].mean() and np.ptp(seen["CYCLES"]) > 0.3, np.abs(seen["LATENT"] - seen["CYCLES"]).mean(), seen["CYCLES"].mean())
+gone = bpy.data.images.new("gone", 8, 4)
+gone.source, gone.filepath = "FILE", str(folder / "gone.hdr")
+panorama.image = gone
+render()
+check("a missing picture of the world is listed", any("gone is missing" in line for line in engine.last["lost"]), engine.last["lost"])
+bpy.data.objects["Plane"].hide_render, sun.hide_render, scene.camera.rotation_euler = False, False, place
+world.node_tree.nodes.remove(panorama)
+
+# A region is shown alone.
+scene.render.use_border = True
+scene.render.border_min_x, scene.render.border_max_x, scene.render.border_min_y, scene.render.border_max_y = 0.25, 0.75, 0.2, 0.6
+render()
+check("outside of a region is nothing", np.allclose(picture()[6:18, 10:30].mean((0, 1)), expected, rtol=5e-3) and picture()[:5].max() == 0, picture().mean((0, 1)))
+scene.render.use_border = False
+
+# Samples that are damaged are said to be, and what to do about it.
+render()
+whole = pathlib.Path(engine.last["samples"]).read_bytes()
+pathlib.Path(engine.last["samples"]).write_bytes(b"")
+try:
+    render()
+    said = ""
+except RuntimeError as failure:
+    said = str(failure)
+check("samples that are no samples are named, with a remedy", engine.last["samples"] in said and "delete it" in said, said)
+pathlib.Path(engine.last["samples"]).write_bytes(whole)
+
+# Each view layer has a list of its own, and the panel has both.
+second = scene.view_layers.new("second")
+lost_one, lost_two = (bpy.data.materials.new(name) for name in ("one", "two"))
+for made, chosen in ((lost_one, layer), (lost_two, second)):
+    made.use_nodes = True
+    made.node_tree.links.new(made.node_tree.nodes.new("ShaderNodeTexNoise").outputs["Color"], made.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+    chosen.material_override = made
+second.samples = 3
+render()
+said = engine.last["lost"]
+check("what all view layers lost is listed", all(any(f"material {name}:" in line for line in said) for name in ("one", "two")), said)
+check("a view layer may have samples of its own", count() == 3 * 1200, count())
+layer.material_override = None
+scene.view_layers.remove(second)
+for path in (folder / "job").glob("Scene-[sV]*"):
+    path.unlink()
 
 # What is no number is left out by name; what changes its shape or does not move by request, too.
 bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, 1))

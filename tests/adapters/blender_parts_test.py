@@ -311,10 +311,10 @@ def profile(down, around, value, head="TILT=NONE", kind=1):
 class Profiles(unittest.TestCase):
     def test_a_lamp_of_lambert_has_its_flux(self):
         rows = ies.Profile(profile(range(0, 91), [0], lambda d, _: 1000 * np.cos(np.radians(d)))).picture()
-        areas = np.sin((np.arange(ies.HEIGHT) + 0.5) * np.pi / ies.HEIGHT)
+        areas = np.sin(ies.DOWN)
         mean = (rows.mean(1) * areas).sum() / areas.sum()
         self.assertAlmostEqual(4 * np.pi * mean / (2 * np.pi * 1000), 1, delta=1e-3)
-        self.assertEqual(rows[ies.HEIGHT // 2 + 1 :].max(), 0)  # upwards
+        self.assertEqual(rows[len(ies.DOWN) // 2 + 1 :].max(), 0)  # upwards
 
     def test_part_of_a_circle_means_its_mirror_images(self):
         down = range(0, 181, 10)

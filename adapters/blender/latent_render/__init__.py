@@ -10,12 +10,15 @@ bl_info = {
 }
 
 
+import bpy  # noqa: E402  Blender reads what is above without running it
+
+from . import darkroom, engine, panels, properties  # noqa: E402
+
+CLASSES = (*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine)
+
+
 def register():
-    import bpy
-
-    from . import darkroom, engine, panels, properties
-
-    for made in (*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine):
+    for made in CLASSES:
         bpy.utils.register_class(made)
     for owner, settings in properties.OWNERS:
         owner.latent = bpy.props.PointerProperty(type=settings)
@@ -24,13 +27,9 @@ def register():
 
 
 def unregister():
-    import bpy
-
-    from . import darkroom, engine, panels, properties
-
     for panel in panels.shared_panels():
         panel.COMPAT_ENGINES = panel.COMPAT_ENGINES - {"LATENT"}
     for owner, _ in properties.OWNERS:
         del owner.latent
-    for made in reversed((*darkroom.CLASSES, *properties.CLASSES, *panels.CLASSES, engine.LatentEngine)):
+    for made in reversed(CLASSES):
         bpy.utils.unregister_class(made)

@@ -50,7 +50,7 @@ def run(folder, name, blocks, **job):
     return done.returncode == 0
 
 
-def world(of, folder, width=1024, samples=16):
+def world(of, folder, width=2048, samples=4):
     """The path of a picture of a world, or None if it could not be made. It is made once for the same nodes."""
     of, folder = of.original, os.path.join(folder, "pictures")
     name = hashlib.blake2b(f"{width} {samples} {fingerprint(of.node_tree)}".encode(), digest_size=12).hexdigest()

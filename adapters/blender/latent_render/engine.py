@@ -44,6 +44,7 @@ class LatentEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
     bl_use_exclude_layers = True
+    lost, wanted = {}, {}  # of the view layers that it has rendered
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
@@ -55,7 +56,9 @@ class LatentEngine(bpy.types.RenderEngine):
         try:
             self.render_all(depsgraph)
         except Exception as failure:  # whatever it is, Blender must say it, and not show an empty picture alone
-            if not isinstance(failure, (tools.Failure, ValueError, OSError)):
+            if isinstance(failure, OSError):
+                failure = f"{failure.filename or folder_of(depsgraph.scene_eval)}: {failure.strerror}; the panel Job says where files go"
+            elif not isinstance(failure, (tools.Failure, ValueError)):
                 traceback.print_exc()
             self.fill(depsgraph.scene_eval, depsgraph.view_layer_eval.name, {})  # Blender expects a result
             self.report({"ERROR"}, f"Latent: {failure}")
@@ -64,6 +67,7 @@ class LatentEngine(bpy.types.RenderEngine):
     def render_all(self, depsgraph):
         scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval.name
         settings, folder = scene.latent, folder_of(scene)
+        samples = depsgraph.view_layer_eval.samples or settings.samples
         render = program("latent-render")
         begin = time.monotonic()
         self.say("exporting")
@@ -75,8 +79,9 @@ class LatentEngine(bpy.types.RenderEngine):
             planned.append((exported.path, words))
             return self.fill(scene, layer, {})
         mine = job.Job(folder, name_of(scene, layer))
-        word = mine.begin(exported.digest, words, exported.parts, exported.aperture, settings.samples)
-        last.update(word=word, lost=exported.lost, samples=mine.samples, wanted=exported.wanted, seconds={"export": time.monotonic() - begin})
+        word = mine.begin(exported.digest, words, exported.parts, exported.aperture, samples)
+        self.lost, self.wanted = {**self.lost, **dict.fromkeys(exported.lost)}, {**self.wanted, **dict.fromkeys(exported.wanted)}
+        last.update(word=word, lost=list(self.lost), samples=mine.samples, wanted=list(self.wanted), seconds={"export": time.monotonic() - begin})
         print(f"Latent: {word}")
         for line in exported.lost:
             print(f"Latent: not exported: {line}")
@@ -84,11 +89,11 @@ class LatentEngine(bpy.types.RenderEngine):
             self.report({"WARNING"}, f"Latent: {len(exported.lost)} things were not exported as they are; the panel lists them")
         self.say(word)
         begin = time.monotonic()
-        command = [render, exported.path, "-o", mine.samples, "--spp", settings.samples, "--checkpoint", "5s", "--json", *words]
+        command = [render, exported.path, "-o", mine.samples, "--spp", samples, "--checkpoint", "5s", "--json", *words]
         report, warnings = tools.run(command, lambda share: self.progress(share, word), self.stopped)
         print("\n".join(warnings))
         if report is not None:
-            mine.finish(settings.samples)
+            mine.finish(samples)
         last["seconds"]["render"] = time.monotonic() - begin
         begin = time.monotonic()
         self.say("developing")
@@ -127,17 +132,12 @@ class LatentEngine(bpy.types.RenderEngine):
         self.fill(scene, layer, passes)
 
     def fill(self, scene, layer, passes):
-        width, height = camera.size(scene)
-        left, low, right, high = 0, 0, width, height
-        # Without a crop, Blender 3.4 wants the region alone, later versions the whole picture.
-        if scene.render.use_border and (scene.render.use_crop_to_border or bpy.app.version < (4, 0, 0)):
-            border = scene.render
-            left, right = int(border.border_min_x * width), int(border.border_max_x * width)
-            low, high = int(border.border_min_y * height), int(border.border_max_y * height)
-        result = self.begin_result(0, 0, right - left, high - low, layer=layer)
+        render, (width, height) = scene.render, camera.size(scene)
+        result = self.begin_result(0, 0, width, height, layer=layer)  # no larger than the region that Blender wants
+        left, low = (int(render.border_min_x * width), int(render.border_min_y * height)) if (result.resolution_x, result.resolution_y) != (width, height) else (0, 0)
         for target in result.layers[0].passes:  # of each view
             if target.name in passes:
-                shown = np.ascontiguousarray(passes[target.name][::-1][low:high, left:right], np.float32)
+                shown = np.ascontiguousarray(passes[target.name][::-1][low : low + result.resolution_y, left : left + result.resolution_x], np.float32)
                 try:
                     target.rect.foreach_set(shown.ravel())
                 except TypeError:  # Blender 3.4 counts pixels

@@ -34,7 +34,8 @@ def share_done(line):
 def last_words(text):
     """What a program said when it failed."""
     lines = [line for line in text.splitlines() if line.strip() and share_done(line) is None]
-    return "\n".join(lines[-12:]) or "it gave no reason"
+    remedy = ["If this file is damaged, delete it; F12 makes new samples"] if any(".latent: " in line for line in lines) else []
+    return "\n".join([*lines[-12:], *remedy]) or "it gave no reason"
 
 
 def version(path):

@@ -3,7 +3,13 @@ import math
 
 import numpy as np
 
-from .pbrt import directive, matrix
+from .pbrt import directive, moving
+
+
+MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
+# pbrt's panorama begins at +x and goes by +z, and its pole is +y; the middle of Blender's lies in front.
+PANORAMIC = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+CUBE = np.indices((2, 2, 2)).reshape(3, 8).T * 2 - 1  # its corners
 
 
 def size(scene):
@@ -17,19 +23,12 @@ def film(scene):
     return directive("Film", "rgb", **{"integer xresolution": width, "integer yresolution": height})
 
 
-def export(scene, owner, poses, shutter, report):
+def export(scene, owner, poses, report):
     """Directives. `owner`: the evaluated object; `poses`: its matrices when the shutter opens and closes."""
     data, lost = owner.data, report.of(f"camera {owner.name}")
-    lines = []
-    turn = panoramic if data.type == "PANO" else mirrored
-    world_to_camera = [turn(pose.normalized().inverted()) for pose in poses]
-    if len(poses) > 1 and poses[0] != poses[1]:
-        for word, rows in zip(("StartTime", "EndTime"), world_to_camera):
-            lines += [f"ActiveTransform {word}", matrix(rows)]
-        lines.append("ActiveTransform All")
-    else:
-        lines.append(matrix(world_to_camera[0]))
-    parameters = {"float shutteropen": shutter[0], "float shutterclose": shutter[1]} if len(poses) > 1 else {}
+    world_to_camera = [(PANORAMIC if data.type == "PANO" else MIRRORED) @ np.array(pose.normalized().inverted()) for pose in poses]
+    lines = moving(world_to_camera[0], world_to_camera[-1])
+    parameters = {"float shutteropen": 0.0, "float shutterclose": 1.0} if len(poses) > 1 else {}
     if data.type == "PANO":
         panorama = data if hasattr(data, "panorama_type") else data.cycles
         if panorama.panorama_type != "EQUIRECTANGULAR":
@@ -42,13 +41,9 @@ def export(scene, owner, poses, shutter, report):
     if data.dof.use_dof and data.type == "ORTHO":
         lost("an orthographic camera has no depth of field")
     elif data.dof.use_dof:
-        radius = lens_radius(data)
-        if radius > 0:
-            parameters |= {"float lensradius": radius, "float focaldistance": max(1e-4, focus(owner, poses[0]))}
+        parameters |= {"float lensradius": data.lens * 5e-4 / max(1e-6, data.dof.aperture_fstop), "float focaldistance": max(1e-4, focus(owner, poses[0]))}
         if abs(data.dof.aperture_ratio - 1) > 1e-3:
             lost("anamorphic bokeh is left out here (Darkroom has it)")
-    if data.clip_start > 0.5 * max(data.dof.focus_distance, 0.2) and data.type != "ORTHO":
-        lost("clipping is ignored")
     return [*lines, directive("Camera", kind, **parameters)]
 
 
@@ -69,29 +64,31 @@ def depth_per_distance(scene):
     return (1 / np.sqrt(1 + x**2 + y[:, None] ** 2)).astype(np.float32)
 
 
-def sees(scene, owner, center, radius):
-    """Whether a ball may be in the picture; what hides it does not count."""
-    data, place = owner.data, owner.matrix_world.normalized().inverted() @ center
+def sees(scene, owner, points, faces, near=0.0, far=np.inf):
+    """Which of some faces (rows of numbers of points in the world) may be in the picture, between two depths; what hides them does not count."""
+    data, view = owner.data, np.array(owner.matrix_world.normalized().inverted())
+    local = points @ view[:3, :3].T + view[:3, 3]
+    x, y, z = local.T
     if data.type == "PANO":
-        return True
-    scale = 1.0 if data.type == "ORTHO" else max(-place.z, 1e-6)
-    left, right, low, high = (scale * side for side in window(scene, data))
-    return -place.z + radius > 0 and left - radius <= place.x <= right + radius and low - radius <= place.y <= high + radius
+        corners, beyond = min(far, 1e6) * CUBE, [side for axis in (x, y, z) for side in (axis < -far, axis > far)] + [x**2 + y**2 + z**2 < near**2]
+    else:
+        bounds, is_flat = window(scene, data), data.type == "ORTHO"
+        left, right, low, high = (side * (1.0 if is_flat else -z) for side in bounds)
+        beyond = [x < left, x > right, y < low, y > high, -z < near, -z > far]
+        corners = np.array([(x * scale, y * scale, -depth) for depth in (near, min(far, 1e6)) for scale in (1.0 if is_flat else depth,)
+                            for x in bounds[:2] for y in bounds[2:]])
+    seen = ~np.any([side[faces].all(1) for side in beyond], 0)
+    if faces.shape[1] == 3:  # what is in view may still lie on one side of a triangle
+        first, second, third = (local[faces[seen, corner]] for corner in range(3))
+        side = np.einsum("fi,fci->fc", np.cross(second - first, third - first), corners - first[:, None])
+        seen[seen] = (side.min(1, initial=np.inf) <= 0) & (side.max(1, initial=-np.inf) >= 0)
+    return seen
 
 
-def mirrored(inverse):
-    return [list(inverse[0]), list(inverse[1]), [-c for c in inverse[2]], list(inverse[3])]
-
-
-def panoramic(inverse):
-    """pbrt's panorama begins at +x and goes by +z, and its pole is +y; the middle of Blender's lies in front."""
-    return [list(inverse[2]), list(inverse[1]), [-c for c in inverse[0]], list(inverse[3])]
-
-
-def lens_radius(data):
-    if data.type == "ORTHO":
-        return 1 / (2 * max(1e-6, data.dof.aperture_fstop))
-    return data.lens * 1e-3 / (2 * max(1e-6, data.dof.aperture_fstop))
+def sees_balls(scene, owner, centers, radii, near=0.0, far=np.inf):
+    """Which of some balls, by the cubes around them."""
+    cubes = np.reshape(centers, (-1, 1, 3)) + np.reshape(radii, (-1, 1, 1)) * CUBE
+    return sees(scene, owner, cubes.reshape(-1, 3), np.arange(cubes.size // 3).reshape(-1, 8), near, far)
 
 
 def focus(owner, pose):
@@ -104,7 +101,7 @@ def focus(owner, pose):
 
 def blades(data):
     """An argument of latent-develop --aperture, if the lens has blades."""
-    if not (data.type == "PERSP" and data.dof.use_dof and data.dof.aperture_blades >= 3 and lens_radius(data) > 0):
+    if not (data.type == "PERSP" and data.dof.use_dof and data.dof.aperture_blades >= 3):
         return None
     return f"blades:{data.dof.aperture_blades}:{math.degrees(data.dof.aperture_rotation):.6g}"
 

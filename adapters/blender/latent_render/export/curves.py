@@ -1,6 +1,7 @@
 """Strands: particle hair and hair curves as pbrt's curves."""
 import numpy as np
 
+from .mesh import read
 from .pbrt import directive
 
 
@@ -36,12 +37,8 @@ def particle_strands(owner, modifier, depsgraph_mode):
 
 def hair_curves(curves):
     """(points, diameters at both ends) of each curve of a Curves object, in its space."""
-    positions = np.empty(len(curves.points) * 3, np.float32)
-    curves.points.foreach_get("position", positions)
-    positions = positions.reshape(-1, 3)
-    radii = np.full(len(curves.points), 0.005, np.float32)
-    if "radius" in curves.attributes:
-        curves.attributes["radius"].data.foreach_get("value", radii)
+    positions = read(curves.points, "position", 3)
+    radii = read(curves.attributes["radius"].data, "value", 1) if "radius" in curves.attributes else np.full(len(positions), 0.005)
     for curve in curves.curves:
         first, count = curve.first_point_index, curve.points_length
         if count > 1:

@@ -4,7 +4,13 @@ import re
 import numpy as np
 
 WATTS = 4 * np.pi / 177.83  # a candela in Cycles' unit of lamps: light of D65 has 177.83 lm / W
-HEIGHT = 256
+DOWN, AROUND = (np.arange(512) + 0.5) * np.pi / 512, (np.arange(1024) + 0.5) * np.pi / 512  # of pixels: from -z, and from +x towards +y
+
+
+def directions():
+    """Of the pixels of a picture: unit vectors."""
+    down = DOWN[:, None] + 0 * AROUND
+    return np.stack([np.sin(down) * np.cos(AROUND), np.sin(down) * np.sin(AROUND), -np.cos(down)], -1)
 
 
 class Profile:
@@ -30,9 +36,8 @@ class Profile:
 
     def picture(self):
         """Longitude and latitude, as pbrt's goniometric lights have it: rows from -z up, columns from +x towards +y."""
-        down = (np.arange(HEIGHT) + 0.5) * 180 / HEIGHT
-        turned = (270 - (np.arange(2 * HEIGHT) + 0.5) * 180 / HEIGHT) % 360
+        turned = (270 - np.degrees(AROUND)) % 360
         # A file of part of the circle means its mirror images too.
         folded = {0: 0 * turned, 90: np.minimum(turned % 180, 180 - turned % 180), 180: np.minimum(turned, 360 - turned)}.get(self.around[-1], turned)
-        rows = np.array([np.interp(down, self.down, row, 0, 0) for row in self.intensity])
+        rows = np.array([np.interp(np.degrees(DOWN), self.down, row, 0, 0) for row in self.intensity])
         return np.array([np.interp(folded, self.around, column) for column in rows.T], np.float32)

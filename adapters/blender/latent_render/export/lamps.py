@@ -3,7 +3,7 @@ import math
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from . import ies, spectra
 from .nodes import Graph, is_constant
@@ -18,16 +18,12 @@ def group(settings, owner):
     return owner.name
 
 
-def strength(lamp, report):
+def strength(lamp, lost):
     """The colour of a lamp: its own times that of its nodes; and the profile of an IES texture, or None."""
-    color = list(lamp.color)
-    if getattr(lamp, "use_temperature", False):
-        color = [c * t for c, t in zip(color, lamp.temperature_color)]
-    factor = 2.0 ** getattr(lamp, "exposure", 0.0)
-    color = [c * factor for c in color]
+    tint, factor = lamp.temperature_color if getattr(lamp, "use_temperature", False) else (1, 1, 1), 2.0 ** getattr(lamp, "exposure", 0.0)
+    color = [factor * c * t for c, t in zip(lamp.color, tint)]
     if not lamp.use_nodes or not lamp.node_tree:
         return color, None
-    lost = report.of(f"lamp {lamp.name}")
     graph = Graph(lamp.node_tree, lost)
     output = graph.output("OUTPUT_LIGHT")
     found = graph.source(output.inputs["Surface"]) if output else None
@@ -57,58 +53,61 @@ def read_profile(graph, node, lost):
         return None
 
 
-def export(owner, pose, name, report, files, radius_of_scene, center, sees):
-    """Directives of a lamp at `pose`. `sees(center, radius)`: whether a ball may be in the picture."""
-    lamp = owner.data
-    settings, lost = lamp.latent, report.of(f"lamp {owner.name}")
-    color, profile = strength(lamp, report)
-    if not np.isfinite([lamp.energy, *color, *np.ravel(pose)]).all():
-        lost("is left out: its light or its place is no number")
-        return []
-    if lamp.energy == 0 or max(color) <= 0:
-        return []
-    if lamp.energy < 0 or min(color) < 0:
-        lost("negative light is left out")
-        return []
-    if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
-        lost("it casts shadows")
-    if profile and lamp.type in ("SUN", "AREA"):
-        lost("its IES profile is left out: only points and spots have one")
-    lines = MAKERS[lamp.type](Lamp(lamp, settings, color, profile, name, lost, files, radius_of_scene, center, sees), pose)
-    return ["AttributeBegin", *lines, "AttributeEnd"]
-
-
 class Lamp:
-    def __init__(self, lamp, settings, color, profile, name, lost, files, radius_of_scene, center, sees):
-        self.lamp, self.settings, self.color, self.profile, self.name, self.lost = lamp, settings, color, profile, name, lost
-        self.files, self.radius_of_scene, self.center, self.sees = files, radius_of_scene, center, sees
+    """`scene_ball`: centre and radius of all there is; `sees(center, radius)`: whether a ball may be in the picture."""
+
+    def __init__(self, owner, name, report, files, scene_ball, sees):
+        self.owner, self.lamp, self.name, self.files, self.scene_ball, self.sees = owner, owner.data, name, files, scene_ball, sees
+        self.lost = report.of(f"lamp {owner.name}")
+        self.color, self.profile = strength(self.lamp, self.lost)
+
+    def export(self, pose):
+        """Directives of the lamp at `pose`."""
+        lamp, color, lost = self.lamp, self.color, self.lost
+        if not np.isfinite([lamp.energy, *color, *np.ravel(pose)]).all():
+            lost("is left out: its light or its place is no number")
+            return []
+        if lamp.energy < 0 or min(color) < 0:
+            lost("negative light is left out")
+        if lamp.energy <= 0 or min(color) < 0 or max(color) <= 0:
+            return []
+        if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
+            lost("it casts shadows")
+        if self.profile and lamp.type in ("SUN", "AREA"):
+            lost("its IES profile is left out: only points and spots have one")
+        return ["AttributeBegin", *MAKERS[lamp.type](self, pose), "AttributeEnd"]
 
     def source(self, kind, key, scale, word="LightSource", **more):
-        spectrum, factor = spectra.lamp(self.settings, key, self.color)
+        spectrum, factor = spectra.lamp(self.lamp.latent, key, self.color)
         return directive(word, kind, **{**spectrum, "float scale": float(scale * factor), "string name": self.name, **more})
 
     def surface(self, kind, shape, center, radius, radiance, **more):
         """A shape that emits, within a ball: its parameters. An unseen one shines all the same: only rays do not meet it."""
-        visible = self.settings.visible == "ALWAYS" or (self.settings.visible == "AUTO" and not self.sees(center, radius))
+        settings = self.lamp.latent
+        visible = settings.visible == "ALWAYS" or settings.visible == "AUTO" and (self.owner.visible_camera or not self.sees(center, radius))
         hidden = {} if visible else {"float alpha": 0.0}
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more),
                 directive("Shape", kind, **shape, **hidden)]
 
     def by_direction(self, pose, share=1.0):
-        """A lamp with a profile. `share`: another factor, by row."""
-        if self.lamp.shadow_soft_size > 1e-6:
-            self.lost("a lamp with an IES profile has no size: its shadows are sharp")
-        picture = ies.WATTS * self.profile.picture() * np.reshape(share, (-1, 1))
+        """A point whose light depends on the direction: on its profile, and on `share`, a picture as profiles have."""
+        self.has_no_size()
+        picture = (ies.WATTS * self.profile.picture() if self.profile else 1) * share
+        if picture.max() <= 0:
+            self.lost("is left out: its profile or its cone is empty")
+            return []
         place = [[row[i] for i in (0, 2, 1, 3)] for row in at(pose)]  # pbrt exchanges y and z of these lights
         return [matrix(place), self.source("goniometric", "I", self.lamp.energy / (4 * math.pi),
                                               **{"string filename": self.files.written(pfm(picture[..., None]), ".pfm")})]
 
+    def has_no_size(self):
+        if self.lamp.shadow_soft_size > 1e-6:
+            self.lost(f"its size is left out{', so the camera does not see it' * self.owner.visible_camera}: its shadows are sharp")
+
 
 def at(pose):
-    """Without a scale, which lamps ignore but for areas."""
-    place = pose.to_quaternion().to_matrix().to_4x4()
-    place.translation = pose.translation
-    return place
+    """Without a scale, which lamps ignore but for areas and the cones of spots."""
+    return Matrix.LocRotScale(pose.translation, pose.to_quaternion(), None)
 
 
 def point(lamp, pose):
@@ -122,18 +121,18 @@ def point(lamp, pose):
 
 def spot(lamp, pose):
     """The edge is a smoothstep of the cosine, as pbrt's."""
-    outer = math.cos(lamp.lamp.spot_size / 2)
-    inner = outer + (1 - outer) * lamp.lamp.spot_blend
-    if lamp.profile:
-        height = (np.cos((np.arange(ies.HEIGHT) + 0.5) * math.pi / ies.HEIGHT) - outer) / max(inner - outer, 1e-6)
-        rise = np.clip(height, 0, 1)
-        return lamp.by_direction(pose, rise * rise * (3 - 2 * rise))
-    if lamp.lamp.shadow_soft_size > 1e-6:
-        lamp.lost("a spot lamp has no size: its shadows are sharp")
     cone = lamp.lamp.spot_size / 2
+    outer = math.cos(cone)
+    inner = outer + (1 - outer) * lamp.lamp.spot_blend
+    stretch = np.maximum(1e-6, np.abs(pose.to_scale())) if bpy.app.version >= (4, 0, 0) else np.ones(3)
+    if lamp.profile or np.ptp(stretch) > 1e-4 * stretch.max():
+        local = ies.directions() / stretch
+        rise = np.clip((-local[..., 2] / np.linalg.norm(local, axis=-1) - outer) / max(inner - outer, 1e-6), 0, 1)
+        return lamp.by_direction(pose, rise * rise * (3 - 2 * rise))
+    lamp.has_no_size()
     return [matrix(at(pose)), lamp.source("spot", "I", lamp.lamp.energy / (4 * math.pi),
                                           **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0], "float coneangle": math.degrees(cone),
-                                             "float conedeltaangle": math.degrees(cone - math.acos(min(1.0, inner)))})]
+                                             "float conedeltaangle": math.degrees(max(0.0, cone - math.acos(min(1.0, inner))))})]
 
 
 def sun(lamp, pose):
@@ -143,9 +142,9 @@ def sun(lamp, pose):
     turned.translation = (0, 0, 0)
     if half < 1e-5:
         return [matrix(turned), lamp.source("distant", "L", lamp.lamp.energy, **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]})]
-    distance = 2000 * lamp.radius_of_scene
+    center, distance = lamp.scene_ball[0], 2000 * lamp.scene_ball[1]
     radius = distance * math.tan(half)
-    turned.translation = lamp.center + distance * turned.col[2].xyz
+    turned.translation = center + distance * turned.col[2].xyz
     radiance = lamp.lamp.energy / (math.pi * math.sin(half) ** 2)
     # The disk faces along its +z, and shines along -z.
     return [matrix(turned), "ReverseOrientation", *lamp.surface("disk", {"float radius": radius}, turned.translation, radius, radiance)]

@@ -188,10 +188,10 @@ def principled(reader, node):
         graph.lost("the subsurface scattering of a Principled BSDF is matt")
     below = base if is_new or weight == 0 else mix(base, reader.value(node, "Subsurface Color"), constant(weight))
     parameters = reader.set("color", "spectrum", raised(below, second_loss(reader, node, is_new)))
-    for name, kind, names in PRINCIPLED:
+    for name, names in PRINCIPLED.items():
         value = reader.value(node, *names)
         if value is not None:
-            parameters |= reader.set(name, kind, value)
+            parameters |= reader.set(name, "float", value)
     transmission = reader.value(node, "Transmission Weight", "Transmission")
     passes = not is_constant(transmission) or transmission.number() > 0
     metallic = reader.value(node, "Metallic")
@@ -267,13 +267,8 @@ def raised(base, loss):
 
 
 # Inputs of a Principled BSDF that mean the same in latent:principled.
-PRINCIPLED = [
-    ("metallic", "float", ("Metallic",)),
-    ("roughness", "float", ("Roughness",)),
-    ("coat", "float", ("Coat Weight", "Clearcoat")),
-    ("coatroughness", "float", ("Coat Roughness", "Clearcoat Roughness")),
-    ("transmission", "float", ("Transmission Weight", "Transmission")),
-]
+PRINCIPLED = {"metallic": ("Metallic",), "roughness": ("Roughness",), "coat": ("Coat Weight", "Clearcoat"),
+              "coatroughness": ("Coat Roughness", "Clearcoat Roughness"), "transmission": ("Transmission Weight", "Transmission")}
 
 
 def fresnel_pair(reader, node):
@@ -302,9 +297,9 @@ def mixed(reader, node):
             return second if amount.number() else first
     rest = each(lambda c: 1 - c, amount) if is_constant(amount) else mix(WHITE, BLACK, amount)
     if second.is_clear:
-        return Surface(first.material, weighted(first.emission, constant(1)), product(first.alpha, rest))
+        return Surface(first.material, first.emission, product(first.alpha, rest))
     if first.is_clear:
-        return Surface(second.material, weighted(second.emission, constant(1)), product(second.alpha, amount))
+        return Surface(second.material, second.emission, product(second.alpha, amount))
     emitted = weighted(first.emission, rest) + weighted(second.emission, amount)
     alpha = mix(first.alpha, second.alpha, amount)
     if not first.material and not second.material:
@@ -341,17 +336,13 @@ SHADERS = {
     "BSDF_DIFFUSE": diffuse,
     "BSDF_TRANSLUCENT": lambda reader, node: Surface(("diffusetransmission", {"rgb reflectance": [0.0, 0.0, 0.0],
                                                                               **reader.set("transmittance", "spectrum", reader.value(node, "Color"))})),
-    "BSDF_GLOSSY": glossy,
-    "BSDF_ANISOTROPIC": glossy,
-    "BSDF_METALLIC": glossy,
+    **dict.fromkeys(("BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"), glossy),
     "BSDF_GLASS": glass,
     "BSDF_REFRACTION": refraction,
     "BSDF_TRANSPARENT": transparent,
     "BSDF_HAIR_PRINCIPLED": hair,
     "BSDF_PRINCIPLED": principled,
-    "BSDF_VELVET": matt,
-    "BSDF_SHEEN": matt,
-    "BSDF_TOON": matt,
+    **dict.fromkeys(("BSDF_VELVET", "BSDF_SHEEN", "BSDF_TOON"), matt),
     "SUBSURFACE_SCATTERING": subsurface,
     "EMISSION": lambda reader, node: Surface(None, [(reader.value(node, "Color"), reader.value(node, "Strength"))]),
     "MIX_SHADER": mixed,

@@ -11,6 +11,10 @@ def read(collection, name, width, kind=np.float32):
     return data.reshape(-1, width) if width > 1 else data
 
 
+# Attributes that may be colours: where their values are, and how many.
+COLORS = {"FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4), "FLOAT_VECTOR": ("vector", 3), "FLOAT": ("value", 1), "INT": ("value", 1, np.int32)}
+
+
 class Corners:
     """The corners of a mesh's triangles, with what lies there. Blender's normals are in another place since 4.1."""
 
@@ -38,7 +42,7 @@ class Corners:
             return read(mesh.vertices, "normal", 3), False
         if domain == "CORNER" and name == "vector" and "sharp_edge" not in mesh.attributes and not mesh.has_custom_normals:
             # Only some faces are flat: as in 3.4, Cycles takes the normals of vertices for the others.
-            of_face = np.repeat(np.arange(len(mesh.polygons)), read(mesh.polygons, "loop_total", 1, np.int32))
+            of_face = self.of_face()
             smooth, at = read(mesh.polygons, "use_smooth", 1, bool)[of_face, None], read(mesh.loops, "vertex_index", 1, np.int32)
             return np.where(smooth, read(mesh.vertices, "normal", 3)[at], read(mesh.polygons, "normal", 3)[of_face]), True
         return (read(corners, name, 3), True) if domain == "CORNER" else None
@@ -49,12 +53,18 @@ class Corners:
         return None if layer is None else read(layer.data, "uv", 2)
 
     def colors(self, name):
-        """(values, whether they belong to corners)."""
-        attributes = self.mesh.color_attributes
-        found = attributes.get(name) if name else (attributes[attributes.render_color_index] if len(attributes) else None)
-        if found is None or found.domain not in ("POINT", "CORNER"):
+        """(values, whether they belong to corners) of an attribute. Numbers are grey."""
+        colors = self.mesh.color_attributes
+        found = self.mesh.attributes.get(name) if name else (colors[colors.render_color_index] if len(colors) else None)
+        if found is None or found.data_type not in COLORS or found.domain == "EDGE":
             return None
-        return read(found.data, "color", 4)[:, :3], found.domain == "CORNER"
+        values = read(found.data, *COLORS[found.data_type]).reshape(len(found.data), -1)
+        values = np.repeat(values, 3, 1) if values.shape[1] == 1 else values[:, :3]
+        return (values[self.of_face()], True) if found.domain == "FACE" else (values, found.domain == "CORNER")
+
+    def of_face(self):
+        """The face of each corner of the polygons."""
+        return np.repeat(np.arange(len(self.mesh.polygons)), read(self.mesh.polygons, "loop_total", 1, np.int32))
 
     def generated(self):
         """Texture space: from 0 to 1 over the box of the mesh."""
@@ -66,8 +76,7 @@ class Corners:
         The turns of a face do not jump, and those of a corner on the axis are those of its face."""
         mesh = self.mesh
         middle, roll = np.array(mesh.texspace_location), 2 - "XYZ".index(axis)
-        turned = lambda points: np.roll(points, roll, 1)  # noqa: E731
-        of_face = np.repeat(np.arange(len(mesh.polygons)), read(mesh.polygons, "loop_total", 1, np.int32))
+        turned, of_face = lambda points: np.roll(points, roll, 1), self.of_face()
         at = turned((self.positions - middle) / np.maximum(np.array(mesh.texspace_size), 1e-9))[read(mesh.loops, "vertex_index", 1, np.int32)]
         faces = turned((read(mesh.polygons, "center", 3) - middle) / np.maximum(np.array(mesh.texspace_size), 1e-9))[of_face]
         turns = np.arctan2(faces[:, 1], faces[:, 0]) / (2 * np.pi)
@@ -108,7 +117,7 @@ def export(corners, slot_count, places_of, folder, lost):
         columns = {"positions": (corners.positions, False), "normals": corners.normals, "uvs": corners.place(places, lost),
                    "colors": None if places.color is None else corners.colors(places.color)}
         if places.color is not None and columns["colors"] is None:
-            lost(f"colour attribute {places.color} is missing")
+            lost(f"attribute {places.color} is missing")
         columns = {name: column for name, column in columns.items() if column is not None}
         broken = [name for name, (data, _) in columns.items() if not np.isfinite(data).all()]
         if broken:

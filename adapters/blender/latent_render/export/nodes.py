@@ -1,20 +1,13 @@
 """Values of Blender's shader nodes: constants as far as possible, otherwise textures of pbrt. Nodes are told apart by a table."""
 import math
+import operator
 from dataclasses import dataclass
 
-from .pictures import Picture, picture
+import numpy as np
+
+from ..develop import RGB_FROM_XYZ
+from .pictures import Constant, Picture, picture
 from .report import Unknown
-
-LUMINANCE = (0.2126, 0.7152, 0.0722)
-
-
-@dataclass(frozen=True)
-class Constant:
-    rgb: tuple
-
-    def number(self):
-        """A colour as a number, as Blender has it: its luminance."""
-        return self.rgb[0] if len(set(self.rgb)) == 1 else sum(c * w for c, w in zip(self.rgb, LUMINANCE))
 
 
 @dataclass
@@ -121,11 +114,7 @@ class Graph:
 
     def input(self, node, *names):
         """The first input that the node has of these names, which differ between versions of Blender."""
-        for name in names:
-            for socket in node.inputs:
-                if (socket.name == name or socket.identifier == name) and socket.enabled:
-                    return socket
-        return None
+        return next((socket for name in names for socket in node.inputs if name in (socket.name, socket.identifier) and socket.enabled), None)
 
     # ----- values
 
@@ -203,32 +192,17 @@ def product(first, second):
 BLENDS = {
     "MIX": mix,
     "MULTIPLY": lambda a, b, t: product(a, mix(WHITE, b, t)),
-    "ADD": lambda a, b, t: arithmetic(lambda x, y, w: x + y * w, a, b, t),
-    "SUBTRACT": lambda a, b, t: arithmetic(lambda x, y, w: x - y * w, a, b, t),
-    "SCREEN": lambda a, b, t: arithmetic(lambda x, y, w: 1 - (1 - w * y) * (1 - x), a, b, t),
-    "DARKEN": lambda a, b, t: arithmetic(lambda x, y, w: x + (min(x, y) - x) * w, a, b, t),
-    "LIGHTEN": lambda a, b, t: arithmetic(lambda x, y, w: x + (max(x, y) - x) * w, a, b, t),
-    "DIFFERENCE": lambda a, b, t: arithmetic(lambda x, y, w: x + (abs(x - y) - x) * w, a, b, t),
-    "DIVIDE": lambda a, b, t: arithmetic(lambda x, y, w: x + (x / y - x) * w if y else x, a, b, t),
+    **{name: lambda a, b, t, blend=blend: arithmetic(lambda x, y, w: x + (blend(x, y) - x) * w, a, b, t) for name, blend in (
+        ("ADD", operator.add), ("SUBTRACT", operator.sub), ("SCREEN", lambda x, y: 1 - (1 - y) * (1 - x)), ("DARKEN", min), ("LIGHTEN", max),
+        ("DIFFERENCE", lambda x, y: abs(x - y)), ("DIVIDE", lambda x, y: x / y if y else x))},
 }
 
 MATHS = {
-    "ADD": lambda a, b: a + b,
-    "SUBTRACT": lambda a, b: a - b,
-    "DIVIDE": lambda a, b: a / b if b else 0.0,
-    "POWER": lambda a, b: a**b if a >= 0 else 0.0,
-    "MINIMUM": min,
-    "MAXIMUM": max,
-    "LESS_THAN": lambda a, b: float(a < b),
-    "GREATER_THAN": lambda a, b: float(a > b),
-    "MODULO": lambda a, b: math.fmod(a, b) if b else 0.0,
-    "SQRT": lambda a, _: math.sqrt(max(0.0, a)),
-    "ABSOLUTE": lambda a, _: abs(a),
-    "SINE": lambda a, _: math.sin(a),
-    "COSINE": lambda a, _: math.cos(a),
-    "FLOOR": lambda a, _: float(math.floor(a)),
-    "FRACT": lambda a, _: a - math.floor(a),
-    "LOGARITHM": lambda a, b: math.log(a, b) if a > 0 and b > 0 and b != 1 else 0.0,
+    "ADD": operator.add, "SUBTRACT": operator.sub, "MINIMUM": min, "MAXIMUM": max, "LESS_THAN": operator.lt, "GREATER_THAN": operator.gt,
+    "DIVIDE": lambda a, b: a / b if b else 0.0, "MODULO": lambda a, b: math.fmod(a, b) if b else 0.0, "POWER": lambda a, b: a**b if a >= 0 else 0.0,
+    "LOGARITHM": lambda a, b: math.log(a, b) if a > 0 and b > 0 and b != 1 else 0.0, "SQRT": lambda a, _: math.sqrt(max(0.0, a)),
+    "ABSOLUTE": lambda a, _: abs(a), "SINE": lambda a, _: math.sin(a), "COSINE": lambda a, _: math.cos(a),
+    "FLOOR": lambda a, _: math.floor(a), "FRACT": lambda a, _: a - math.floor(a),
 }
 
 
@@ -296,19 +270,12 @@ def invert(graph, node, _):
 
 def blackbody_rgb(kelvin):
     """Linear Rec. 709 of luminance 1: Planck's law, seen through Gaussian fits of the CIE 1931 observer [WymanSloanShirley13]."""
-
-    def gauss(x, mean, below, above):
-        return math.exp(-0.5 * ((x - mean) / (below if x < mean else above)) ** 2)
-
-    xyz = [0.0, 0.0, 0.0]
-    for nm in range(380, 781, 5):
-        power = 1e16 / (nm**5 * (math.expm1(1.4388e7 / (nm * max(kelvin, 200.0)))))
-        xyz[0] += power * (1.056 * gauss(nm, 599.8, 37.9, 31.0) + 0.362 * gauss(nm, 442.0, 16.0, 26.7) - 0.065 * gauss(nm, 501.1, 20.4, 26.2))
-        xyz[1] += power * (0.821 * gauss(nm, 568.8, 46.9, 40.5) + 0.286 * gauss(nm, 530.9, 16.3, 31.1))
-        xyz[2] += power * (1.217 * gauss(nm, 437.0, 11.8, 36.0) + 0.681 * gauss(nm, 459.0, 26.0, 13.8))
-    x, y, z = (value / xyz[1] for value in xyz)
-    rgb = (3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z, 0.0557 * x - 0.2040 * y + 1.0570 * z)
-    return tuple(max(0.0, c) for c in rgb)
+    nm = np.arange(380.0, 781.0, 5.0)
+    power = 1 / (nm**5 * np.expm1(1.4388e7 / (nm * max(kelvin, 200.0))))
+    gauss = lambda mean, below, above: np.exp(-0.5 * ((nm - mean) / np.where(nm < mean, below, above)) ** 2)  # noqa: E731
+    xyz = np.array([1.056 * gauss(599.8, 37.9, 31.0) + 0.362 * gauss(442.0, 16.0, 26.7) - 0.065 * gauss(501.1, 20.4, 26.2),
+                    0.821 * gauss(568.8, 46.9, 40.5) + 0.286 * gauss(530.9, 16.3, 31.1), 1.217 * gauss(437.0, 11.8, 36.0) + 0.681 * gauss(459.0, 26.0, 13.8)]) @ power
+    return tuple(np.maximum(0, RGB_FROM_XYZ @ (xyz / xyz[1])).tolist())
 
 
 def checker(graph, node, output):
@@ -348,10 +315,6 @@ def light_path(graph, node, output):
     return BLACK
 
 
-def clamp(graph, node, _):
-    return arithmetic(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max")))
-
-
 def grey(graph, node, output):
     """pbrt makes numbers of the colours of a texture by itself."""
     value = graph.of(node, "Color")
@@ -363,22 +326,19 @@ def grey(graph, node, output):
 
 
 VALUES = {
-    "RGB": lambda graph, node, output: default(output),
-    "VALUE": lambda graph, node, output: default(output),
-    "MIX": mix_rgb,
-    "MIX_RGB": mix_rgb,
+    **dict.fromkeys(("RGB", "VALUE"), lambda graph, node, output: default(output)),
+    **dict.fromkeys(("MIX", "MIX_RGB"), mix_rgb),
     "MATH": math_node,
     "VALTORGB": ramp,
     "INVERT": invert,
     "GAMMA": lambda graph, node, _: arithmetic(lambda c, g: max(0.0, c) ** g, graph.of(node, "Color"), graph.of(node, "Gamma")),
-    "CLAMP": clamp,
+    "CLAMP": lambda graph, node, _: arithmetic(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max"))),
     "RGBTOBW": grey,
     "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
     "TEX_CHECKER": checker,
     "TEX_IMAGE": picture,
     "VERTEX_COLOR": vertex_color,
     "ATTRIBUTE": attribute,
-    "FRESNEL": fresnel,
-    "LAYER_WEIGHT": fresnel,
+    **dict.fromkeys(("FRESNEL", "LAYER_WEIGHT"), fresnel),
     "LIGHT_PATH": light_path,
 }

@@ -34,6 +34,12 @@ def matrix(rows, word="Transform"):
     return f"{word} [ " + " ".join(f"{rows[i][j]:.9g}" for j in range(4) for i in range(4)) + " ]"
 
 
+def moving(start, end, word="Transform"):
+    """Lines of a matrix that changes while the shutter is open."""
+    lines = [matrix(rows, word) for rows in (start, end)]
+    return lines[:1] if lines[0] == lines[1] else ["ActiveTransform StartTime", lines[0], "ActiveTransform EndTime", lines[1], "ActiveTransform All"]
+
+
 class Document:
     """A scene in three parts: what comes before WorldBegin; definitions, named by their content; what is there.
     `body` holds strings, and iterators of strings where there are very many."""

@@ -13,6 +13,16 @@ ENCODINGS = {"sRGB": "sRGB", "Non-Color": "linear", "Raw": "linear", "Generic Da
 WRAPS = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black"}
 EXTENSIONS = {"PNG": ".png", "JPEG": ".jpg", "OPEN_EXR": ".exr", "OPEN_EXR_MULTILAYER": ".exr", "HDR": ".hdr", "TIFF": ".tif", "TARGA": ".tga",
               "TARGA_RAW": ".tga", "BMP": ".bmp", "WEBP": ".webp"}
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+@dataclass(frozen=True)
+class Constant:
+    rgb: tuple
+
+    def number(self):
+        """A colour as a number, as Blender has it: its luminance."""
+        return self.rgb[0] if len(set(self.rgb)) == 1 else sum(c * w for c, w in zip(self.rgb, LUMINANCE))
 
 
 @dataclass
@@ -30,8 +40,7 @@ class Files:
     """The pictures of a job. Those that lie on the disk stay there; packed and generated ones become files in `folder`."""
 
     def __init__(self, folder):
-        self.folder, self.known, self.wanted = folder, {}, []
-        self.contents = {}  # of files of others, which may change under their names
+        self.folder, self.known, self.wanted, self.contents = folder, {}, [], {}  # contents of files of others, which may change under their names
 
     def baked(self, graph, node, output):
         """What Cycles has baked of a node, if it has; otherwise, it may be wanted."""
@@ -46,64 +55,86 @@ class Files:
         return Picture({"string filename": path, **graph.places.moved(("uv", ""), np.eye(4))})
 
     def path(self, image):
+        if image.name_full not in self.known:
+            self.known[image.name_full] = self.file(image)
+        return self.known[image.name_full]
+
+    def file(self, image):
         import bpy
 
         if image.source in ("TILED", "MOVIE", "SEQUENCE"):
             raise Unknown(f"image {image.name} ({image.source.lower()})")
-        disk = bpy.path.abspath(image.filepath, library=image.library) if image.filepath else ""
-        if image.source == "FILE" and not image.packed_file and not image.is_dirty:
-            if not os.path.isfile(disk):
-                raise Unknown(f"image {image.name}, whose file is missing")
-            disk = os.path.realpath(disk)
-            if disk not in self.contents:
-                with open(disk, "rb") as file:
-                    self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
-            return disk
-        if image.name_full not in self.known:
-            packed = image.packed_file and not image.is_dirty
-            self.known[image.name_full] = self.written(bytes(image.packed_file.data), EXTENSIONS.get(image.file_format, ".png")) if packed else self.drawn(image)
-        return self.known[image.name_full]
+        packed, space = image.packed_file, image.colorspace_settings.name
+        disk = os.path.realpath(bpy.path.abspath(image.filepath, library=image.library)) if image.filepath else ""
+        if image.source == "FILE" and not (packed or image.is_dirty or os.path.isfile(disk)):
+            raise Unknown(f"image {image.name}, whose file is missing")
+        if image.source != "FILE" or image.is_dirty or image.is_float and ENCODINGS.get(space) != "linear":
+            return self.drawn(image, pixels(image)[..., :3])
+        if packed:
+            return self.written(bytes(packed.data), EXTENSIONS.get(image.file_format, ".png"))
+        with open(disk, "rb") as file:
+            self.contents[disk] = hashlib.blake2b(file.read(), digest_size=8).hexdigest()
+        return disk
+
+    def sky(self, image):
+        """A picture of all directions. Cycles interpolates between texels, and lights of Latent do not: few texels become many."""
+        rows = pixels(image)[..., :3]
+        if not image.is_float and ENCODINGS.get(image.colorspace_settings.name) == "sRGB":
+            rows = np.where(rows > 0.04045, ((rows + 0.055) / 1.055) ** 2.4, rows / 12.92)
+        width = max(4096, rows.shape[1])
+        for axis, size in ((0, width // 2), (1, width)):
+            at = (np.arange(size) + 0.5) * rows.shape[axis] / size - 0.5
+            below = np.floor(at).astype(int)
+            share = (at - below).astype(np.float32).reshape((-1, 1, 1) if axis == 0 else (-1, 1))
+            rows = rows.take(below, axis, mode="wrap") * (1 - share) + rows.take(below + 1, axis, mode="wrap") * share
+        return self.written(pfm(rows), ".pfm")
 
     def written(self, data, extension):
         """The path of a file with this content."""
         os.makedirs(self.folder, exist_ok=True)
         path = os.path.join(self.folder, hashlib.blake2b(data, digest_size=12).hexdigest() + extension)
-        with open(path, "wb") as file:
-            file.write(data)
+        if not os.path.exists(path):
+            with open(path + ".unfinished", "wb") as file:
+                file.write(data)
+            os.replace(path + ".unfinished", path)
         return path
 
-    def drawn(self, image):
-        if not image.has_data and not image.pixels:
-            raise Unknown(f"image {image.name}, which is empty")
-        pixels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(pixels)
-        rows = pixels.reshape(image.size[1], image.size[0], -1)
+    def drawn(self, image, rows):
         return self.written(pfm(rows), ".pfm") if image.is_float else self.written(png(rows), ".png")
+
+
+def pixels(image):
+    """Red, green, blue and alpha in rows, which run upwards. Bytes are numbers from 0 to 1, and encoded."""
+    if not image.has_data and not image.pixels:
+        raise Unknown(f"image {image.name}, which is empty")
+    values = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(values)
+    rows = values.reshape(image.size[1], image.size[0], -1)
+    if rows.shape[2] < 3:
+        rows = np.repeat(rows[..., :1], 3, 2)
+    return rows if rows.shape[2] == 4 else np.concatenate([rows, np.ones_like(rows[..., :1])], 2)
 
 
 # Blender's own writers encode colours, and change its data while it renders.
 
 
 def pfm(rows):
-    """Values as they are. Rows run upwards, as Blender's."""
-    rgb = np.repeat(rows, 3, 2) if rows.shape[2] == 1 else rows[..., :3]
+    """Values as they are."""
+    rgb = np.repeat(rows, 3, 2) if rows.shape[2] == 1 else rows
     return b"PF\n%d %d\n-1.0\n" % (rows.shape[1], rows.shape[0]) + np.ascontiguousarray(rgb, "<f4").tobytes()
 
 
 def png(rows):
-    """Values from 0 to 1 as bytes, with alpha if there is any."""
+    """Values from 0 to 1 as bytes."""
     height, width, channels = rows.shape
-    kinds = {1: 0, 3: 2, 4: 6}
-    if channels == 4 and rows[..., 3].min() == 1:
-        rows, channels = rows[..., :3], 3
     lines = np.zeros((height, 1 + width * channels), np.uint8)
     lines[:, 1:] = np.round(255 * np.clip(rows[::-1], 0, 1)).astype(np.uint8).reshape(height, -1)
 
     def chunk(name, data):
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
-    head = struct.pack(">IIBBBBB", width, height, 8, kinds[channels], 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b"")
+    head = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2}[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes(), 1)) + chunk(b"IEND", b"")
 
 
 def picture(graph, node, output):
@@ -112,12 +143,16 @@ def picture(graph, node, output):
         raise Unknown("an Image Texture without an image")
     if node.projection != "FLAT":
         raise Unknown(f"an Image Texture with {node.projection.lower()} projection")
-    mapping = graph.places.relative(graph, node.inputs["Vector"], 1.0)
-    parameters = {"string filename": graph.files.path(image), **mapping}
-    parameters.pop("integer dimension", None)
-    space = image.colorspace_settings.name
-    if space not in ENCODINGS:
-        graph.lost(f"image {image.name}: its colour space {space} is read as {'linear' if image.is_float else 'sRGB'}")
+    place = graph.places.relative  # there is none of a lamp
+    path, space = graph.files.path(image), image.colorspace_settings.name
+    if output.name == "Alpha":
+        alpha, space = pixels(image)[..., 3:], "Raw"
+        if alpha.min() == 1 and node.extension != "CLIP":
+            return Constant((1.0, 1.0, 1.0))
+        path = graph.files.drawn(image, alpha)
+    if space not in ENCODINGS and not image.is_float:
+        graph.lost(f"image {image.name}: its colour space {space} is read as sRGB")
+    parameters = {"string filename": path, **place(graph, node.inputs["Vector"], 1.0)}
     if not image.is_float:
         parameters["string encoding"] = ENCODINGS.get(space, "sRGB")
     if node.extension not in WRAPS:

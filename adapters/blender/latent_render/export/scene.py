@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import camera, curves, lamps, materials, mesh, volumes, world
-from .pbrt import Document, directive, matrix
+from .pbrt import Document, directive, moving
 from .pictures import Files
 from .report import Report
 
@@ -22,13 +22,16 @@ class Model:
     name: str
     shapes: list  # lines of each part
     emits: bool
-    center: object = None  # of its box, in its own space
-    radius: float = 0.0
+    points: object = None  # in its own space
+    faces: object = ()  # numbers of points
     poses: array = field(default_factory=lambda: array("d"))  # 16 numbers each, row by row
     ends: array = field(default_factory=lambda: array("d"))  # the same when the shutter closes, if anything moves
 
-    def count(self):
-        return len(self.poses) // 16
+    def placed(self):
+        """Poses of its copies, and centres and radii of balls around them."""
+        low, high = self.points.min(0), self.points.max(0)
+        poses = np.frombuffer(self.poses).reshape(-1, 4, 4)
+        return poses, poses[:, :3, :3] @ ((low + high) / 2) + poses[:, :3, 3], np.linalg.norm(high - low) / 2 * np.sqrt((poses[:, :3, :3] ** 2).sum((1, 2)))
 
 
 @dataclass
@@ -46,18 +49,12 @@ def blurred(owner, what="use_motion_blur"):
     return getattr(getattr(owner, "cycles", None), what, True)
 
 
-def ball(points):
-    """The middle of a box around points, and its radius."""
-    low, high = points.min(0), points.max(0)
-    return (low + high) / 2, float(np.linalg.norm(high - low)) / 2
-
-
 def flat(pose):
     return [number for row in pose for number in row]
 
 
 class Exporter:
-    """`settings`: those of the scene; `bake(world)`: the path of a picture of a world, or None; `bakes`: values of nodes that were baked."""
+    """`settings`: those of the scene; `bake(world)`: the path of a picture of a world, or None."""
 
     def __init__(self, depsgraph, folder, settings, bake=lambda of: None):
         self.depsgraph, self.folder, self.settings, self.bake = depsgraph, folder, settings, bake
@@ -65,7 +62,7 @@ class Exporter:
         self.document, self.report = Document(), Report()
         self.files = Files(os.path.join(folder, "pictures"))
         self.models, self.lamps, self.portals, self.parts = {}, [], [], {}
-        self.known_materials, self.known_objects, self.emitting, self.shapes = {}, set(), {}, {}
+        self.known_materials, self.known_objects, self.emitting, self.stills = {}, set(), {}, {}
 
     def export(self, stem="scene", frame_set=None):
         """Writes STEM.pbrt. `frame_set(frame, subframe)` moves the scene for motion blur."""
@@ -78,19 +75,18 @@ class Exporter:
             if not np.isfinite(np.frombuffer(model.poses)).all():
                 self.report.lost(f"object {model.name}", "is left out: its place is no number")
                 del self.models[key]
-        view = self.scene.camera
-        if view is None:
-            raise ValueError("the scene has no camera")
-        view = view.evaluated_get(self.depsgraph)
+        view = self.scene.camera.evaluated_get(self.depsgraph)  # Blender does not render without one
         poses = [opened.get(("camera",), view.matrix_world), closed[("camera",)]] if ("camera",) in closed else [view.matrix_world]
-        center, radius = self.bounds()
-        lines = camera.export(self.scene, view, poses, (0.0, 1.0), self.report)
-        self.part("camera", lines)
-        depth = self.settings.max_depth
-        integrator = directive("Integrator", "bdpt" if self.settings.integrator == "BDPT" else "volpath", **{"integer maxdepth": depth})
-        self.document.head += [camera.film(self.scene), *lines, integrator]
+        scene_ball = self.bounds()
+        lines = camera.export(self.scene, view, poses, self.report)
+        self.clip(view)
+        kind, depth = "bdpt" if self.settings.integrator == "BDPT" else "volpath", self.settings.max_depth
+        film = camera.film(self.scene)
+        for part, of in (("resolution", [film]), ("camera", lines), ("integrator", [kind]), ("bounces", [str(depth)])):
+            self.part(part, of)
+        self.document.head += [film, *lines, directive("Integrator", kind, **{"integer maxdepth": depth})]
         for owner, pose, name in self.lamps:
-            from_lamp = lamps.export(owner, pose, name, self.report, self.files, radius, center, lambda *ball: camera.sees(self.scene, view, *ball))
+            from_lamp = lamps.Lamp(owner, name, self.report, self.files, scene_ball, lambda *ball: camera.sees_balls(self.scene, view, *ball).any()).export(pose)
             self.part(f"lamp {owner.name}", from_lamp)
             self.document.body += from_lamp
         lines = world.export(getattr(self.depsgraph.view_layer, "world_override", None) or self.scene.world, self.files, self.portals, self.report, self.bake)
@@ -136,7 +132,10 @@ class Exporter:
             frame_set(int(np.floor(now + time)), float((now + time) % 1))
             there = {self.key(instance): instance.matrix_world.copy() for instance in self.depsgraph.object_instances}
             self.shapes_at(there)
-            there[("camera",)] = self.scene.camera.evaluated_get(self.depsgraph).matrix_world.copy() if self.scene.camera else None
+            view = self.scene.camera.evaluated_get(self.depsgraph)
+            there[("camera",)], dof = view.matrix_world.copy(), view.data.dof
+            lens = camera.window(self.scene, view.data), dof.aperture_fstop, dof.focus_distance
+            self.stays(f"camera {view.name}", lens, "its zoom or focus during the exposure is left out")
             poses.append(there)
         frame_set(int(np.floor(now)), float(now % 1))
         return poses
@@ -149,8 +148,12 @@ class Exporter:
                 continue
             digest = hashlib.blake2b(mesh.read(owner.data.vertices, "co", 3).tobytes(), digest_size=8).digest()
             there["shape", owner.name_full] = digest
-            if self.shapes.setdefault(owner.name_full, digest) != digest:
-                self.report.lost(f"object {owner.name}", "its deformation during the exposure is left out")
+            self.stays(f"object {owner.name}", digest, "its deformation during the exposure is left out")
+
+    def stays(self, owner, what, otherwise):
+        """Lists what is not as when the shutter opened."""
+        if self.stills.setdefault(owner, what) != what:
+            self.report.lost(owner, otherwise)
 
     def add(self, instance, opened, closed):
         owner = instance.object
@@ -182,9 +185,10 @@ class Exporter:
     def look_at(self, owner):
         """What Latent cannot say of an object as such. Lamps are hidden from cameras unless the user wills it; the panel Spectrum says more."""
         layer, is_lamp = self.depsgraph.view_layer, owner.type == "LIGHT"
-        linking = getattr(owner, "light_linking", None)
+        linking, bounces = getattr(owner, "light_linking", None), getattr(getattr(owner.data, "cycles", None), "max_bounces", 1024)
         hidden = [ray.replace("_", " ") for ray in RAYS if not getattr(owner, f"visible_{ray}") and not (is_lamp and ray == "camera")]
         for holds, what in ((hidden, f"stays visible to {', '.join(hidden)} rays"),
+                            (is_lamp and bounces < self.settings.max_depth, "its light bounces as often as that of others"),
                             (not is_lamp and owner.is_shadow_catcher, "a shadow catcher is an ordinary surface"),
                             (owner.holdout_get(view_layer=layer), "a holdout is an ordinary surface"),
                             (linking and (linking.receiver_collection or linking.blocker_collection), "light linking is left out"),
@@ -201,7 +205,8 @@ class Exporter:
             key = (*key, lamps.group(self.settings, owner.original))
         model = self.models.get(key)
         if model is None:
-            model = self.models[key] = self.read_strands(owner) if owner.type == "CURVES" else self.read_mesh(owner)
+            model = self.models[key] = self.read_mesh(owner) if owner.type != "CURVES" else self.read_strands(
+                owner, f"object {owner.name}", (self.slots(owner) or [None])[0], list(curves.hair_curves(owner.data)))
         if not model.shapes:
             return
         pose = instance.matrix_world
@@ -240,7 +245,6 @@ class Exporter:
             of_slot = [self.lookup(material, owner) for material in slots]
             files = mesh.export(corners, len(slots), lambda slot: of_slot[slot].places, os.path.join(self.folder, "meshes"),
                                 self.report.of(f"object {owner.name}"))
-            box = ball(corners.positions)
         finally:
             owner.to_mesh_clear()
         shapes, emits = [], False
@@ -249,13 +253,15 @@ class Exporter:
             emits |= made.emits
             shapes.append([*made.lines, directive("Shape", "plymesh", **{"string filename": f"meshes/{name}", **made.alpha})])
         self.part(f"object {owner.name}", [name for _, name in files])
-        return Model(owner.name, shapes, emits, *box)
+        return Model(owner.name, shapes, emits, corners.positions, corners.triangles)
 
-    def read_strands(self, owner):
-        made = self.lookup((self.slots(owner) or [None])[0], owner)
-        strands = [curves.shape(points, root, tip, made.alpha) for points, root, tip in curves.hair_curves(owner.data)]
-        self.part(f"object {owner.name}", strands)
-        return Model(owner.name, [[*made.lines, *strands]] if strands else [], made.emits, *ball(np.array(owner.bound_box)))
+    def read_strands(self, owner, part, material, strands):
+        """`strands`: points, and diameters at both ends."""
+        made = self.lookup(material, owner)
+        lines = [curves.shape(*strand, made.alpha) for strand in strands]
+        self.part(part, lines)
+        shapes = [[*made.lines, *lines]] if strands else []
+        return Model(owner.name, shapes, made.emits, np.concatenate([points for points, _, _ in strands] or [np.zeros((1, 3))]))
 
     def add_particle_hair(self, owner):
         for modifier in owner.modifiers:
@@ -265,14 +271,11 @@ class Exporter:
             if settings.type != "HAIR" or settings.render_type != "PATH":
                 continue
             slots = self.slots(owner) or [None]
-            made = self.lookup(slots[min(len(slots), max(1, settings.material)) - 1], owner)
-            root, tip = settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
-            strands = [curves.shape(points, root, tip, made.alpha) for points in curves.particle_strands(owner, modifier, self.depsgraph.mode)]
-            if strands:
-                self.part(f"hair {modifier.particle_system.name}", strands)
-                model = Model(owner.name, [[*made.lines, *strands]], made.emits, np.array(owner.matrix_world.translation), max(owner.dimensions))
-                model.poses.extend(flat(np.eye(4)))
-                self.models[("hair", owner.name_full, modifier.name)] = model
+            ends = settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
+            strands = [(points, *ends) for points in curves.particle_strands(owner, modifier, self.depsgraph.mode)]
+            material = slots[min(len(slots), max(1, settings.material)) - 1]
+            model = self.models["hair", owner.name_full, modifier.name] = self.read_strands(owner, f"hair {modifier.particle_system.name}", material, strands)
+            model.poses.extend(flat(np.eye(4)) if strands else [])
 
     # ----- where it is
 
@@ -280,20 +283,25 @@ class Exporter:
         """A ball around everything, for lamps that are far away."""
         from mathutils import Vector
 
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for model in self.models.values():
-            if not model.count():
-                continue
-            poses = np.frombuffer(model.poses).reshape(-1, 4, 4)
-            centers = poses[:, :3, :3] @ model.center + poses[:, :3, 3]
-            reach = model.radius * np.sqrt((poses[:, :3, :3] ** 2).sum((1, 2)))
-            low, high = np.minimum(low, (centers - reach[:, None]).min(0)), np.maximum(high, (centers + reach[:, None]).max(0))
-        if not np.isfinite(low).all():
+        balls = [model.placed()[1:] for model in self.models.values() if model.poses]
+        if not balls:
             return Vector((0, 0, 0)), 1.0
+        low, high = (sign * np.max([(sign * centers + reach[:, None]).max(0) for centers, reach in balls], 0) for sign in (-1, 1))
         return Vector((low + high) / 2), max(1e-3, float(np.linalg.norm(high - low)) / 2)
 
+    def clip(self, view):
+        """Lists whether Cycles would cut something away."""
+        for near, far, what in ((0.0, view.data.clip_start, "nearer than Clip Start"), (view.data.clip_end, np.inf, "beyond Clip End")):
+            if any(self.is_cut(model, view, near, far) for model in self.models.values() if model.poses and len(model.faces)):
+                self.report.lost(f"camera {view.name}", f"what is {what} stays visible")
+
+    def is_cut(self, model, view, near, far):
+        poses, centers, reach = model.placed()
+        poses = poses[camera.sees_balls(self.scene, view, centers, reach, near, far)]
+        return any(camera.sees(self.scene, view, model.points @ pose[:3, :3].T + pose[:3, 3], model.faces, near, far).any() for pose in poses)
+
     def write_model(self, model, name):
-        count = model.count()
+        count = len(model.poses) // 16
         if not model.shapes or not count:
             return
         self.part(f"place of {model.name}", [hashlib.blake2b(model.poses.tobytes() + model.ends.tobytes(), digest_size=8).hexdigest()])
@@ -308,8 +316,7 @@ class Exporter:
 
 
 def placed(model, number):
-    start, end = (matrix(np.frombuffer(poses)[16 * number : 16 * number + 16].reshape(4, 4), "ConcatTransform") for poses in (model.poses, model.ends or model.poses))
-    return [start] if start == end else ["ActiveTransform StartTime", start, "ActiveTransform EndTime", end, "ActiveTransform All"]
+    return moving(*(np.frombuffer(poses)[16 * number : 16 * number + 16].reshape(4, 4) for poses in (model.poses, model.ends or model.poses)), "ConcatTransform")
 
 
 def copies(model, name):

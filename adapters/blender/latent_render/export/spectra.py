@@ -1,6 +1,8 @@
 """Spectra that the panel chooses: metals and glasses by name, dispersion, lamps, measured reflectances."""
 import csv
 
+from .pictures import Constant
+
 METALS = ["Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"]
 GLASSES = ["BK7", "BAF10", "FK51A", "LASF9", "SF5", "SF10", "SF11"]
 LAMPS = [("stdillum-A", "Incandescent (A)"), ("stdillum-D50", "Daylight D50"), ("stdillum-D65", "Daylight D65"),
@@ -47,10 +49,8 @@ def reflectance(settings, kind, parameters):
     """Replaces the colour of a material by a measured one."""
     import bpy
 
-    if not settings.reflectance:
-        return {}
     name = {"diffuse": "reflectance", "latent:principled": "color", "conductor": "reflectance"}.get(kind)
-    if name is None:
+    if not settings.reflectance or name is None:
         return {}
     for key in [key for key in parameters if key.split()[1] in (name, "eta", "k") and (kind == "conductor" or key.split()[1] == name)]:
         parameters.pop(key)
@@ -59,11 +59,8 @@ def reflectance(settings, kind, parameters):
 
 def lamp(settings, key, color):
     """The spectrum of a lamp, and the factor to its scale: with a spectrum, the luminance of its colour counts."""
-    from .nodes import LUMINANCE
-
-    luminance = sum(c * w for c, w in zip(color, LUMINANCE))
     if settings.spectrum == "COLOR":
         return {f"rgb {key}": [float(c) for c in color]}, 1.0
     kind, value = {"DAYLIGHT": ("latent:daylight", float(min(25000, max(4000, settings.kelvin)))), "BLACKBODY": ("blackbody", float(settings.kelvin)),
                    "SODIUM": ("spectrum", [588.0, 0.0, 589.0, 1.0, 589.6, 1.0, 590.6, 0.0])}.get(settings.spectrum, ("spectrum", settings.spectrum))
-    return {f"{kind} {key}": value}, luminance
+    return {f"{kind} {key}": value}, Constant(tuple(color)).number()

@@ -52,9 +52,8 @@ def voxels(owner, pose, folder, report):
     if parameters.pop("rgb Le", None):
         lost("the emission of its voxels is left out")
     name = f"voxels {os.path.basename(file)} {owner.name}"
-    low, high = ([part(corner[i] for corner in owner.bound_box) for i in range(3)] for part in (min, max))
-    corners = [coordinate for z in (0, 1) for y in (0, 1) for x in (0, 1) for coordinate in ((low, high)[x][0], (low, high)[y][1], (low, high)[z][2])]
-    faces = [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5]
+    corners = [coordinate for corner in owner.bound_box for coordinate in corner]  # first those of the lowest x, around it
+    faces = [number for a, b, c, d in ((0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)) for number in (a, b, c, a, c, d)]
     return ["AttributeBegin", matrix(pose, "ConcatTransform"),
             directive("MakeNamedMedium", name, **{"string type": "nanovdb", "string filename": file, "string gridname": density, **parameters}),
             directive("MediumInterface", name, ""), 'Material "interface"',

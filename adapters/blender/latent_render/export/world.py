@@ -15,41 +15,41 @@ def export(world, files, portals, report, bake):
     if world is None:
         return []
     lost = report.of(f"world {world.name}")
-    common = {"string name": "World"}
     hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
     if hidden:
         lost(f"stays visible to {', '.join(hidden)} rays")
     if not world.node_tree or not getattr(world, "use_nodes", True):
-        return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals, common)
+        return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals)
     graph = Graph(world.node_tree, lost)
     output = graph.output("OUTPUT_WORLD")
-    if output is None:
-        return []
-    if output.inputs["Volume"].is_linked:
+    if output and output.inputs["Volume"].is_linked:
         lost("the volume of a world is left out")
-    found = graph.source(output.inputs["Surface"])
+    found = output and graph.source(output.inputs["Surface"])
     if not found:
         return []
     if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in all_nodes(world.node_tree)):
         lost("all of its Light Path is 0: the camera, too, sees what lights the scene")
     try:
-        return simple(found[0], graph, files, portals, common)
+        return simple(found[0], graph, files, portals)
     except Unknown:
+        for image in {node.image for node in all_nodes(world.node_tree) if getattr(node, "image", None)}:
+            if not image.size[0]:
+                lost(f"the file of image {image.name} is missing")
         if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in all_nodes(world.node_tree)):
             lost("the sun of its Sky Texture is as coarse as the baked picture; a Sun lamp is exact")
         path = bake(world)
         if path is None:
             lost("is black, for its nodes could not be baked")
             return []
-        return lights(["string filename", path], 1.0, FLIPPED, portals, common)
+        return lights(["string filename", path], 1.0, FLIPPED, portals)
 
 
-def simple(node, graph, files, portals, common):
+def simple(node, graph, files, portals):
     """A Background of a colour or a picture; raises Unknown otherwise."""
     amount = graph.source(node.inputs[0]) if node.type == "MIX_SHADER" else None
     if amount and amount[0].type == "LIGHT_PATH":
         lit = graph.source(node.inputs[1])
-        return simple(lit[0], graph, files, portals, common) if lit else []
+        return simple(lit[0], graph, files, portals) if lit else []
     if node.type != "BACKGROUND" or node.inputs["Strength"].is_linked:
         raise Unknown("world")
     strength = node.inputs["Strength"].default_value
@@ -58,22 +58,21 @@ def simple(node, graph, files, portals, common):
         color = graph.of(node, "Color")
         if strength <= 0 or max(color.rgb) <= 0 or not is_constant(color):
             return []
-        return lights(["rgb L", list(color.rgb)], strength, np.eye(4), portals, common)
+        return lights(["rgb L", list(color.rgb)], strength, np.eye(4), portals)
     picture = found[0]
     image = getattr(picture, "image", None)
-    if picture.type != "TEX_ENVIRONMENT" or picture.projection != "EQUIRECTANGULAR" or image is None or image.size[0] != 2 * image.size[1]:
-        raise Unknown("world")
-    if image.colorspace_settings.name not in ENCODINGS or (not image.is_float and ENCODINGS[image.colorspace_settings.name] != "sRGB"):
+    is_known = image and image.source in ("FILE", "GENERATED") and (image.is_float or image.colorspace_settings.name in ENCODINGS)
+    if picture.type != "TEX_ENVIRONMENT" or picture.projection != "EQUIRECTANGULAR" or not is_known:
         raise Unknown("world")
     source, turn = Places().coordinates(graph, picture.inputs["Vector"])
     if source != ("generated",) or turn[:3, 3].any() or not np.allclose(turn[:3, :3] @ turn[:3, :3].T, np.eye(3), atol=1e-5):
         raise Unknown("world")
-    return lights(["string filename", files.path(image)], strength, np.linalg.inv(turn) @ FLIPPED, portals, common)
+    return lights(["string filename", files.sky(image)], strength, np.linalg.inv(turn) @ FLIPPED, portals)
 
 
-def lights(spectrum, scale, place, portals, common):
+def lights(spectrum, scale, place, portals):
     """One light, or one for each portal."""
-    parameters = {spectrum[0]: spectrum[1], "float scale": float(scale), **common}
+    parameters = {spectrum[0]: spectrum[1], "float scale": float(scale), "string name": "World"}
     lines = ["AttributeBegin", matrix(place)]
     for corners in portals or [None]:
         through = {"point3 portal": [float(c) for corner in corners for c in corner]} if corners else {}
