@@ -368,11 +368,12 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
         return described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").materials.back();
     };
     EXPECT_EQ(material("Kd .5 .5 .5\nKs .9 .9 .9\nillum 1\n").type, "diffuse");
-    const MaterialDescription phong = material("Kd .5 .5 .5\nKs .25 .25 .25\nNs 40\n");
-    EXPECT_EQ(phong.type, "phong");
-    EXPECT_EQ(phong.number("exponent").value, 40);
-    const MaterialDescription bright = material("Kd 1 1 1\nKs 1 1 1\n");
-    EXPECT_NEAR(bright.spectra.at("Kd").value(500) + bright.spectra.at("Ks").value(500), 1, 1e-9);
+    // Blender's default: an index of 1.5, and a roughness of 0.5.
+    const MaterialDescription plastic = material("Kd .8 .8 .8\nKs .5 .5 .5\nNs 250\nillum 2\n");
+    EXPECT_EQ(plastic.type, "metallicroughness");
+    EXPECT_NEAR(plastic.spectra.at("base_color").value(500), 0.8, 1e-3);
+    for (const auto& [name, value] : {std::pair("f0", 0.04f), {"f90", 1.0f}, {"roughness", 0.5f}, {"metallic", 0.0f}})
+        EXPECT_FLOAT_EQ(plastic.number(name).value, value) << name;
     EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").number("metallic").value, 1);
     const MaterialDescription glass = material("d 0.1\nNi 1.33\n");
     EXPECT_EQ(glass.type, "dielectric");

@@ -166,7 +166,9 @@ Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, Gl
     if (body.metallic == 1) {
         surface.spectra["base_color"] = textures.color(picture, specular);
     } else {
-        surface.spectra["base_color"] = textures.color(body.picture, diffuse, vertices);
+        SpectrumInput& color = surface.spectra["base_color"] = textures.color(body.picture, diffuse, vertices);
+        if (picture.exists())
+            color = textures.product(color, textures.between(1 / (1 - 0.04), 0, textures.largest(picture, specular)));
         surface.numbers["f0"] = static_cast<float>(read_specular_color(picture, specular, textures, surface));
     }
     return body;
@@ -231,7 +233,7 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
                                                         fraction_of(coat["clearcoatRoughnessFactor"], 0));
     const SpectrumInput base_color = surface.spectra.at("base_color");
     if (material.extension("KHR_materials_unlit").exists()) {
-        material.warn("an unlit material is rendered as a matt one");
+        material.warn_of_kind("unlit", "an unlit material is rendered as a matt one");
         surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
     } else {
         read_second(material, body, colors, textures, out);
