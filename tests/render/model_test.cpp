@@ -632,6 +632,9 @@ TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     EXPECT_EQ(added("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), (Lines{camera, light}));
     GltfFile file = quad_and_lamp();
     EXPECT_EQ(added("room.glb", as_glb(file)), Lines{own});
+    const LoadedScene from_above =
+        load_scene(folder_.write("room.glb", as_glb(file)), false, color::RgbSpectra::kSmooth, {.view = ModelView::kTop}).value();
+    EXPECT_THAT(from_above.added, ::testing::Contains(HasSubstr("has a camera: --view changes nothing")));
     file.json["scenes"][0]["nodes"] = {0, 1};
     EXPECT_EQ(added("room.glb", as_glb(file)), Lines{light});
     file.json.erase("cameras");

@@ -57,6 +57,9 @@ TEST_F(Obj, WhatIsNotThereIsWarnedOfAndDoneWithout) {
     };
     EXPECT_THAT(warnings("mtllib none.mtl\n" + vertices + "usemtl a\nf 1 2 3\n"),
                 ElementsAre(AllOf(HasSubstr("m.obj:1: mtllib: "), HasSubstr("none.mtl: cannot open"), HasSubstr("grey"))));
+    folder_.write("empty.mtl", "# nothing\n\n");
+    EXPECT_THAT(warnings("mtllib empty.mtl\n" + vertices + "usemtl a\nf 1 2 3\n"),
+                ElementsAre(HasSubstr("m.obj:5: usemtl: material \"a\" is not defined; it is grey")));
     EXPECT_THAT(warnings(vertices + "usemtl a\nf 1 2 3\n"),
                 ElementsAre(HasSubstr("m.obj:4: usemtl: material \"a\" is not defined; it is grey")));
     EXPECT_THAT(warnings(vertices + "f 1/7 2/8 3/9\n"),

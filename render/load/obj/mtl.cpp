@@ -259,7 +259,9 @@ bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& t
     Statements statements(text, target.files.resolve(name).string(), target.diagnostics);
     Describer describe(target);
     std::optional<Block> block;
+    bool is_empty = true;  // but for comments
     while (statements.next()) {
+        is_empty = false;
         const std::string_view key = statements.keyword();
         if (key == "newmtl") {
             if (block) materials[block->name] = describe(*block);
@@ -285,7 +287,7 @@ bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& t
         }
     }
     if (block) materials[block->name] = describe(*block);
-    return block.has_value();
+    return block || is_empty;
 }
 
 }  // namespace latent::render
