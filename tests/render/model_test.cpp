@@ -473,7 +473,7 @@ TEST_F(Models, AllMissingFilesAreNamedAtOnce) {
                             {{"byteLength", 8}, {"uri", "https://x.org/c.bin"}}};
     const std::string message = refusal("room.gltf", file.json.dump());
     for (const char* part :
-         {"/buffers/0/uri: ", "a.bin", "/buffers/1/uri: ", "b.bin", "/buffers/2/uri: \"https://x.org/c.bin\" is not a file"})
+         {"/buffers/0/uri: ", "a.bin", "/buffers/1/uri: ", "b.bin", "/buffers/2/uri: \"https://x.org/c.bin\" is not a path"})
         EXPECT_THAT(message, HasSubstr(part));
     // What a missing file would have defined is not missed once more.
     EXPECT_THAT(load("m.obj", "mtllib a.mtl\nmtllib b.mtl\nusemtl x\nv 0 0 0\nf 1 1 1\n").value().warnings,
