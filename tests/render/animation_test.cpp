@@ -174,8 +174,7 @@ TEST_F(Animation, AnyOfThemIsChosenByItsNameOrNumber) {
         EXPECT_EQ(content_hash(shown(name, {}).value().description), at_rest({{"translation", {1, 0, 0}}})) << name;
         EXPECT_THAT(shown(name, 2).value().warnings, ::testing::IsEmpty());
     }
-    EXPECT_THAT(shown("", {}).value().warnings,
-                ::testing::ElementsAre(HasSubstr("a moment of: 1 walk (3 s), 2 run (3 s); --animation")));
+    EXPECT_THAT(shown("", {}).value().warnings, ::testing::ElementsAre(HasSubstr("--animation names: 1 walk (3 s), 2 run (3 s)")));
     EXPECT_THAT(shown("", 2).value().warnings,
                 ::testing::ElementsAre(HasSubstr("the first is shown; --animation chooses another")));
     const Result<LoadedScene> missing = shown("fly", 2);

@@ -82,10 +82,10 @@ class GltfLoader {
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
         if (model_.has_animation && !is_played)
-            root()["animations"].warn(
-                fmt::format("animations are ignored: the model is in its rest pose; --time SECONDS shows a moment of: {}{}",
-                            fmt::join(model_.animations, ", "),
-                            model_.animations.size() > 1 ? "; --animation chooses one by number or name" : ""));
+            root()["animations"].warn(fmt::format(
+                "animations are ignored: the model is in its rest pose; --time SECONDS shows a moment of the first, or of "
+                "that which --animation names: {}",
+                fmt::join(model_.animations, ", ")));
         if (model_.animations.size() > 1 && is_played && options_.animation.empty())
             root()["animations"].warn(fmt::format("the first is shown; --animation chooses another by number or name: {}",
                                                   fmt::join(model_.animations, ", ")));
