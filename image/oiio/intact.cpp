@@ -226,6 +226,8 @@ Status check_intact(const std::string& path) {
     if (bytes.starts_with("\x89PNG") && size < bytes.size()) return cut_off();
     if (bytes.starts_with("\x89PNG")) return damaged("its signature is not PNG's, as after a transfer in text mode");
     if (bytes.starts_with("II") || bytes.starts_with("MM")) return check_tiff(path);
+    if (bytes == "version ")
+        return Error{ErrorCode::kForeign, "the file is a Git LFS pointer instead of the picture; fetch that with: git lfs pull"};
     in.clear();
     in.seekg(0);
     for (const std::string_view pnm : {"PF", "Pf", "P5", "P6"}) {

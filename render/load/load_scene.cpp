@@ -45,6 +45,8 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
                                        all.empty() ? "" : fmt::format(" ({})", fmt::join(all, ", "))));
     };
     if (!options.camera.empty() && !model->has_camera) return missing("camera", options.camera, "name or number", model->cameras);
+    if (!options.animation.empty() && !model->has_animation)
+        return missing("animation", options.animation, "name or number", model->animations);
     if ((options.time || options.shutter) && !model->has_animation)
         return usage_error(fmt::format("--{}: {} has no animation", options.time ? "time" : "shutter", path.string()));
     if (!options.variant.empty() && !model->has_variant) return missing("variant", options.variant, "name", model->variants);
@@ -76,11 +78,12 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_i
     if (!format) return format.error();
     const bool is_model = *format != SceneFormat::kPbrt;
     if (!is_model && options != ModelOptions{})
-        return usage_error(fmt::format(
-            "{}: --camera, --variant, --time, --shutter, --view, --up, --no-stage, --lens-radius, --focus and --sky are for glTF "
-            "and OBJ; a pbrt "
-            "scene says these itself",
-            path.string()));
+        return usage_error(
+            fmt::format("{}: --camera, --variant, --animation, --time, --shutter, --view, --up, --no-stage, --lens-radius, --focus "
+                        "and --sky are for glTF "
+                        "and OBJ; a pbrt "
+                        "scene says these itself",
+                        path.string()));
     LoadedScene scene;
     std::vector<std::string> names;
     Diagnostics diagnostics(names);

@@ -43,8 +43,9 @@ void add_model_arguments(CLI::App& app, ModelOptions& model) {
     app.add_option("--camera", model.camera, "camera of a glTF file, by its name, its node's name, or its number (default: 1)")
         ->type_name("NAME");
     app.add_option("--variant", model.variant, "variant of the materials of a glTF file, by its name")->type_name("NAME");
-    cli::add_number(app, "--time", model.time, "moment of the first animation of a glTF file, in seconds (default: it rests)", 0,
-                    1e6)
+    app.add_option("--animation", model.animation, "animation of a glTF file, by its name or its number (default: 1)")
+        ->type_name("NAME");
+    cli::add_number(app, "--time", model.time, "moment of the animation, in seconds (default: the model rests)", 0, 1e6)
         ->type_name("SECONDS");
     cli::add_parsed(app, "--shutter", model.shutter, parse_shutter,
                     "the shutter is open from A to B seconds after --time, and what moves is blurred")

@@ -60,7 +60,7 @@ struct PictureDescription {
     double gamma = 1;
     double scale = 1;
     bool invert = false;         // 1 - scale x
-    std::uint8_t channel = 255;  // that a number is; 255: their mean, or alpha if it varies
+    std::uint8_t channel = 255;  // that a number is; 254: the largest of R, G, B; 255: their mean, or alpha if it varies
 };
 
 enum class TextureKind : std::uint8_t {

@@ -117,6 +117,7 @@ float FloatColor::at(const TexturePoint& point) const {
     if (channel_ == 3) return x[3];
     if (color_.channels() == 1) return x[0];
     if (channel_ < color_.channels()) return x[channel_];
+    if (channel_ == 254) return std::max({x[0], x[1], x[2]});
     return color_.is_opaque() ? (x[0] + x[1] + x[2]) / 3 : x[3];
 }
 

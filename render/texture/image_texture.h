@@ -47,7 +47,7 @@ class ColorProduct {
     float matrix_[3][3];
 };
 
-// One channel (3: alpha), or the mean of them, or alpha if it varies.
+// One channel (3: alpha), or the largest of them (254), or the mean of them, or alpha if it varies.
 class FloatColor final : public FloatTexture {
  public:
     FloatColor(const ColorProduct& color, std::uint8_t channel) : color_(color), channel_(channel) {}

@@ -151,6 +151,61 @@ TEST_F(Animation, AShutterMovesWhatIsRigid) {
     EXPECT_THAT(still.warnings, ::testing::ElementsAre(HasSubstr("a surface that emits does not move while the shutter is open")));
 }
 
+TEST_F(Animation, AnyOfThemIsChosenByItsNameOrNumber) {
+    GltfFile first = model();
+    animate(first, "translation", {0, 0, 0, 2, 4, 8}, "VEC3", "LINEAR");
+    GltfFile both = first;
+    both.json["animations"][0]["name"] = "walk";
+    animate(both, "translation", {1, 0, 0, 3, 4, 8}, "VEC3", "LINEAR");
+    Json& channels = both.json["animations"][0]["channels"];
+    both.json["animations"].push_back(
+        {{"name", "run"}, {"channels", {channels[1]}}, {"samplers", both.json["animations"][0]["samplers"]}});
+    channels.erase(1);
+    for (Json& accessor : both.json["accessors"]) {
+        if (accessor["type"] == "SCALAR") accessor["max"] = {3}, accessor["min"] = {1};
+    }
+    const auto shown = [&](const std::string& name, std::optional<double> time) {
+        return load_scene(folder_.write("a.glb", testing::as_glb(both)), false, color::RgbSpectra::kSmooth,
+                          {.animation = name, .time = time, .stage = false});
+    };
+    for (const char* name : {"", "walk", "1"}) EXPECT_EQ(content_hash(shown(name, 2).value().description), at(first, 2)) << name;
+    for (const char* name : {"run", "2"}) {
+        EXPECT_EQ(content_hash(shown(name, 2).value().description), at_rest({{"translation", {2, 2, 4}}})) << name;
+        EXPECT_EQ(content_hash(shown(name, {}).value().description), at_rest({{"translation", {1, 0, 0}}})) << name;
+        EXPECT_THAT(shown(name, 2).value().warnings, ::testing::IsEmpty());
+    }
+    EXPECT_THAT(shown("", {}).value().warnings, ::testing::ElementsAre(HasSubstr("--animation names: 1 walk (3 s), 2 run (3 s)")));
+    EXPECT_THAT(shown("", 2).value().warnings,
+                ::testing::ElementsAre(HasSubstr("the first is shown; --animation chooses another")));
+    const Result<LoadedScene> missing = shown("fly", 2);
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(missing.error().message, HasSubstr("(1 walk (3 s), 2 run (3 s))"));
+}
+
+TEST_F(Animation, MotionThatIsNotEvenIsSaid) {
+    const auto warnings = [&](std::initializer_list<double> times, const std::string& path, std::initializer_list<double> values) {
+        GltfFile file = model();
+        const Json input = file.add_floats(times, "VEC1"), output = file.add_floats(values, path == "rotation" ? "VEC4" : "VEC3");
+        file.json["accessors"][input.get<std::size_t>()]["type"] = "SCALAR";
+        file.json["animations"] = {{{"samplers", {{{"input", input}, {"output", output}}}},
+                                    {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
+        const Result<LoadedScene> scene = load_scene(folder_.write("a.glb", testing::as_glb(file)), false,
+                                                     color::RgbSpectra::kSmooth, {.shutter = std::array{0.0, 1.0}, .stage = false});
+        if (!scene) throw std::runtime_error(scene.error().message);
+        return scene->warnings;
+    };
+    const float h = std::sqrt(0.5f);
+    const auto said = ::testing::ElementsAre(HasSubstr("/nodes/0: is blurred along a straight line"));
+    EXPECT_THAT(warnings({0, .25f, .5f, .75f, 1}, "rotation", {0, 0, 0, 1, 0, 0, h, h, 0, 0, 1, 0, 0, 0, h, -h, 0, 0, 0, -1}),
+                said);
+    EXPECT_THAT(warnings({0, .5f, 1}, "rotation", {0, 0, 0, 1, 0, 0, h, h, 0, 0, 0, 1}), said);  // there and back
+    EXPECT_THAT(warnings({0, .5f, 1}, "translation", {0, 0, 0, 1, 1, 0, 2, 0, 0}), said);
+    EXPECT_THAT(warnings({0, 1}, "rotation", {0, 0, 0, 1, 0, 0, h, h}), ::testing::IsEmpty());
+    EXPECT_THAT(warnings({0, .5f, 1}, "translation", {7, 0, 0, 8, 1, 0, 9, 2, 0}), ::testing::IsEmpty());
+    EXPECT_THAT(warnings({0, .5f, 1}, "scale", {1, 1, 1, 1, 1, 1, 1, 1, 1}), ::testing::IsEmpty());
+}
+
 // A node moves along x from 1 s to 3 s.
 TEST_F(Animation, WhatMovesIsInThePictureFromWhereTheShutterOpensToWhereItCloses) {
     GltfFile file = model();

@@ -80,6 +80,16 @@ TEST_F(GltfExtensions, SpecularGlossinessIsWhatItsRoughAndMetallicTwinIs) {
               glossy({{"diffuseFactor", {0, 0, 0, 1}}, {"specularFactor", {1, 1, 1}}}));
 }
 
+// Of each of R, G and B by itself.
+TEST_F(GltfExtensions, ASpecularColourReflectsNoMoreThanThereIs) {
+    const auto of = [&](const Json& color) {
+        return hash(triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                              {"extensions", {{"KHR_materials_specular", {{"specularColorFactor", color}}}}}}));
+    };
+    EXPECT_EQ(of({10, 30, 1}), of({10, 25, 1}));
+    EXPECT_NE(of({10, 30, 1}), of({10, 20, 1}));
+}
+
 TEST_F(GltfExtensions, DispersionHasTheIndexAndTheAbbeNumberThatItSays) {
     const auto eta = [&](double dispersion, double thickness) {
         const SceneDescription scene =

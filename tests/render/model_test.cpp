@@ -368,11 +368,12 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
         return described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").materials.back();
     };
     EXPECT_EQ(material("Kd .5 .5 .5\nKs .9 .9 .9\nillum 1\n").type, "diffuse");
-    const MaterialDescription phong = material("Kd .5 .5 .5\nKs .25 .25 .25\nNs 40\n");
-    EXPECT_EQ(phong.type, "phong");
-    EXPECT_EQ(phong.number("exponent").value, 40);
-    const MaterialDescription bright = material("Kd 1 1 1\nKs 1 1 1\n");
-    EXPECT_NEAR(bright.spectra.at("Kd").value(500) + bright.spectra.at("Ks").value(500), 1, 1e-9);
+    // Blender's default: an index of 1.5, and a roughness of 0.5.
+    const MaterialDescription plastic = material("Kd .8 .8 .8\nKs .5 .5 .5\nNs 250\nillum 2\n");
+    EXPECT_EQ(plastic.type, "metallicroughness");
+    EXPECT_NEAR(plastic.spectra.at("base_color").value(500), 0.8, 1e-3);
+    for (const auto& [name, value] : {std::pair("f0", 0.04f), {"f90", 1.0f}, {"roughness", 0.5f}, {"metallic", 0.0f}})
+        EXPECT_FLOAT_EQ(plastic.number(name).value, value) << name;
     EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").number("metallic").value, 1);
     const MaterialDescription glass = material("d 0.1\nNi 1.33\n");
     EXPECT_EQ(glass.type, "dielectric");
@@ -472,7 +473,7 @@ TEST_F(Models, AllMissingFilesAreNamedAtOnce) {
                             {{"byteLength", 8}, {"uri", "https://x.org/c.bin"}}};
     const std::string message = refusal("room.gltf", file.json.dump());
     for (const char* part :
-         {"/buffers/0/uri: ", "a.bin", "/buffers/1/uri: ", "b.bin", "/buffers/2/uri: \"https://x.org/c.bin\" is not a file"})
+         {"/buffers/0/uri: ", "a.bin", "/buffers/1/uri: ", "b.bin", "/buffers/2/uri: \"https://x.org/c.bin\" is not a path"})
         EXPECT_THAT(message, HasSubstr(part));
     // What a missing file would have defined is not missed once more.
     EXPECT_THAT(load("m.obj", "mtllib a.mtl\nmtllib b.mtl\nusemtl x\nv 0 0 0\nf 1 1 1\n").value().warnings,
@@ -631,6 +632,9 @@ TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     EXPECT_EQ(added("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), (Lines{camera, light}));
     GltfFile file = quad_and_lamp();
     EXPECT_EQ(added("room.glb", as_glb(file)), Lines{own});
+    const LoadedScene from_above =
+        load_scene(folder_.write("room.glb", as_glb(file)), false, color::RgbSpectra::kSmooth, {.view = ModelView::kTop}).value();
+    EXPECT_THAT(from_above.added, ::testing::Contains(HasSubstr("has a camera: --view changes nothing")));
     file.json["scenes"][0]["nodes"] = {0, 1};
     EXPECT_EQ(added("room.glb", as_glb(file)), Lines{light});
     file.json.erase("cameras");

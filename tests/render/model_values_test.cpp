@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "render/scene/content_hash.h"
 #include "tests/render/models.h"
 #include "tests/render/seen_values.h"
@@ -88,14 +90,31 @@ TEST_F(ModelValues, AFactorTimesAPictureIsThePictureOfTheirProduct) {
     folder_.write("m.mtl", "newmtl m\nKd 1 .25 .5\nmap_Kd a.exr\nKs .5 .25 .125\nmap_Ks a.exr\nNs 8\nmap_Ns a.exr\n");
     const std::string obj = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
     SeenValues model(load("m.obj", obj));
-    const float share = 1 / 1.5f;  // Kd + Ks exceeds 1
-    expect_near(model.spectrum("Kd", 0.7, 0.3), model.of_rgb({0.75f * share, 0.125f * share, 0.125f * share}), 1e-5f);
-    expect_near(model.spectrum("Ks", 0.7, 0.3), model.of_rgb({0.375f * share, 0.125f * share, 0.03125f * share}), 1e-5f);
-    EXPECT_FLOAT_EQ(model.number("exponent", 0.7, 0.3), 8 * 0.5f);
+    expect_near(model.spectrum("base_color", 0.7, 0.3), model.of_rgb({0.75f, 0.125f, 0.125f}), 1e-5f);
+    const float ks = 0.875f / 3;  // the mean
+    EXPECT_FLOAT_EQ(model.number("f0", 0.7, 0.3), 0.08f * ks * 0.5f);
+    EXPECT_FLOAT_EQ(model.number("f90", 0.7, 0.3), 2 * ks * 0.5f);
+    EXPECT_FLOAT_EQ(model.number("roughness", 0.7, 0.3), 1 - 0.5f * std::sqrt(0.008f));
     for (const char* without : {"", "Kd 0 0 0\n"}) {  // the picture is all there is
         folder_.write("m.mtl", std::string("newmtl m\nmap_Kd a.exr\n") + without);
         SeenValues alone(load("m.obj", obj));
         expect_near(alone.spectrum("reflectance", 0.7, 0.3), alone.of_rgb({0.75f, 0.5f, 0.25f}), 1e-5f);
+    }
+}
+
+TEST_F(ModelValues, TheMirrorOfSpecularGlossinessTakesLightFromTheBodyWhereverItIs) {
+    testing::write_exr(folder_ / "a.exr", 1, 1, {0.25f, 0.5f, 0.125f});
+    for (const auto& [specular, brightest] : {std::pair(Json{1, 1, 1}, 0.5f), {Json{1, .25, 1}, 0.25f}, {Json{.8, .8, .8}, 0.4f}}) {
+        Square square;
+        square.material() = {{"extensions",
+                              {{"KHR_materials_pbrSpecularGlossiness",
+                                {{"diffuseFactor", {.75, .5, .25, 1}},
+                                 {"specularFactor", specular},
+                                 {"specularGlossinessTexture", {{"index", square.add_picture("a.exr")}}}}}}}};
+        SeenValues seen(load(square));
+        SampledSpectrum body = seen.of_rgb({0.75f, 0.5f, 0.25f});
+        for (float& x : body.v) x *= (1 - brightest) / 0.96f;
+        expect_near(seen.spectrum("base_color", 0.3, 0.3), body, 2e-3f, specular.dump());
     }
 }
 

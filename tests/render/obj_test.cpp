@@ -57,6 +57,9 @@ TEST_F(Obj, WhatIsNotThereIsWarnedOfAndDoneWithout) {
     };
     EXPECT_THAT(warnings("mtllib none.mtl\n" + vertices + "usemtl a\nf 1 2 3\n"),
                 ElementsAre(AllOf(HasSubstr("m.obj:1: mtllib: "), HasSubstr("none.mtl: cannot open"), HasSubstr("grey"))));
+    folder_.write("empty.mtl", "# nothing\n\n");
+    EXPECT_THAT(warnings("mtllib empty.mtl\n" + vertices + "usemtl a\nf 1 2 3\n"),
+                ElementsAre(HasSubstr("m.obj:5: usemtl: material \"a\" is not defined; it is grey")));
     EXPECT_THAT(warnings(vertices + "usemtl a\nf 1 2 3\n"),
                 ElementsAre(HasSubstr("m.obj:4: usemtl: material \"a\" is not defined; it is grey")));
     EXPECT_THAT(warnings(vertices + "f 1/7 2/8 3/9\n"),
@@ -122,8 +125,16 @@ TEST_F(Obj, IllumIsGlassOrAMirrorOnlyWhereTheColoursAgree) {
     testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
     EXPECT_EQ(material("illum 7\nKd 0 0 0\n").type, "dielectric");
     EXPECT_EQ(material("illum 7\nmap_Kd a.exr\n").type, "diffuse");
-    EXPECT_EQ(material("illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n").type, "phong");
-    EXPECT_EQ(material("illum 3\nKd .1 .1 .1\nKs .8 .8 .8\n").type, "metallicroughness");
+    EXPECT_EQ(material("illum 4\nKd .5 .5 .5\nTf 1 1 1\nNi 1.00\n").type, "diffuse");  // Maya's default
+    const auto metallic = [&](const std::string& mtl) { return material(mtl).number("metallic").value; };
+    EXPECT_EQ(metallic("illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n"), 0);
+    EXPECT_EQ(metallic("illum 3\nKd .1 .1 .1\nKs .8 .8 .8\n"), 1);
+    EXPECT_EQ(material("illum 3\nKd .1 .1 .1\nKs .8 .8 .8\nNs 250\n").number("roughness").value, 0);
+    // Without a body it is a metal, unless Ks is what Blender writes for anything.
+    EXPECT_EQ(metallic("illum 2\nKd 0 0 0\nKs .9 .6 .3\nNs 250\n"), 1);
+    EXPECT_EQ(material("illum 2\nKd 0 0 0\nKs .9 .6 .3\nNs 250\n").number("roughness").value, 0.5f);
+    EXPECT_EQ(metallic("illum 2\nKd 0 0 0\nKs .5 .5 .5\nNs 250\n"), 0);
+    EXPECT_EQ(metallic("illum 2\nKd .2 .2 .2\nKs .9 .9 .9\n"), 0);
     EXPECT_NEAR(material("illum 4\nTf .25 .25 .25\n").spectra.at("transmittance").value(500), 0.25, 1e-3);
 }
 
@@ -162,18 +173,87 @@ TEST_F(Obj, NormalMapsAreReadAlsoWhereTheyAreCalledBumps) {
     EXPECT_EQ(material("bump heights.exr\n").normal_map, kNone);
 }
 
-// Other loaders show nothing, either; here that is said.
-TEST_F(Obj, AnOpacityOfZeroIsSaidUnlessItIsGlass) {
+// Some programs mean by Tr what d is.
+TEST_F(Obj, WhatWouldBeHiddenAsAWholeIsOpaqueWithAWarning) {
     testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
     const std::string faces = "mtllib m.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    for (const char* hidden : {"map_Kd a.exr\nd 0\n", "Tr 1\nmap_Kd a.exr\n"}) {
-        folder_.write("m.mtl", std::string("newmtl paint\n") + hidden);
-        EXPECT_THAT(load(faces).warnings, ElementsAre(HasSubstr("m.mtl:1: paint: d is 0 (or Tr is 1)"))) << hidden;
+    const auto warnings = [&](const std::string& mtl) {
+        folder_.write("m.mtl", "newmtl paint\n" + mtl);
+        return load(faces).warnings;
+    };
+    for (const std::string paint : {"map_Kd a.exr\n", "Kd .8 .2 .1\n", "Ks .5 .5 .5\n"}) {
+        const Hash128 opaque = (warnings(paint), hash(faces));
+        for (const char* hidden : {"d 0\n", "Tr 1\n"}) {
+            EXPECT_THAT(warnings(paint + hidden), ElementsAre(HasSubstr("m.mtl:1: paint: d is 0 (or Tr is 1), which would hide")));
+            EXPECT_EQ(hash(faces), opaque) << paint << hidden;
+        }
     }
-    for (const char* seen : {"map_Kd a.exr\nd 1\n", "map_Kd a.exr\nd .1\n", "d 0\n"}) {
-        folder_.write("m.mtl", std::string("newmtl paint\n") + seen);
-        EXPECT_THAT(load(faces).warnings, IsEmpty()) << seen;
-    }
+    EXPECT_EQ(material("Kd .8 .8 .8\nKs .5 .5 .5\nNi 1.45\nillum 9\nd 0\n").type, "metallicroughness");
+    EXPECT_EQ(material("illum 7\nd 0\n").type, "dielectric");
+    for (const char* seen : {"map_Kd a.exr\nd 1\n", "map_Kd a.exr\nd .1\n", "d .1\n", "illum 7\nd 0\n"})
+        EXPECT_THAT(warnings(seen), IsEmpty()) << seen;
+}
+
+// Blender writes illum 9 for what has an alpha below 1.
+TEST_F(Obj, TheOpacityOfIllum9IsThatOfItsSurface) {
+    folder_.write("m.mtl", "newmtl m\nKd .8 .1 .1\nKs .5 .5 .5\nNi 1.45\nillum 9\nd .75\n");
+    const SceneDescription scene = load("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").description;
+    EXPECT_EQ(scene.materials.at(scene.shapes.at(0).material).type, "metallicroughness");
+    EXPECT_EQ(scene.shapes[0].alpha.value, 0.75f);
+    EXPECT_EQ(material("illum 9\n").type, "dielectric");
+}
+
+// An uncompressed TGA of one row, white with these alphas.
+std::string white_tga(const std::vector<int>& alphas) {
+    std::string out(18, '\0');
+    out[2] = 2;
+    out[12] = static_cast<char>(alphas.size());
+    out[14] = 1;
+    out[16] = 32;
+    out[17] = 8;
+    for (const int alpha : alphas) out += std::string(3, '\xFF') + static_cast<char>(alpha);
+    return out;
+}
+
+TEST_F(Obj, TheAlphaOfAPictureIsTheOpacityWhereNoMapSaysIt) {
+    folder_.write("leaf.tga", white_tga({255, 0, 128}));
+    folder_.write("unused.tga", white_tga({0, 0, 0}));
+    folder_.write("full.tga", white_tga({255, 255}));
+    const std::string faces = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    const auto scene = [&](const std::string& mtl) {
+        folder_.write("m.mtl", "newmtl m\n" + mtl);
+        return load(faces);
+    };
+    const LoadedScene leaf = scene("map_Kd leaf.tga\nd .5\n");
+    const FloatInput alpha = leaf.description.shapes.at(0).alpha;
+    ASSERT_TRUE(alpha.is_textured());
+    EXPECT_EQ(leaf.description.textures.at(alpha.texture).picture.channel, 3);
+    EXPECT_EQ(leaf.description.textures[alpha.texture].tint[3], 0.5);
+    EXPECT_THAT(leaf.notes, ElementsAre(HasSubstr("m.mtl:1: m: has no map_d; the alpha of its map_Kd is its opacity")));
+    const LoadedScene mapped = scene("map_Kd leaf.tga\nmap_d full.tga\n");
+    EXPECT_THAT(mapped.notes, IsEmpty());
+    EXPECT_THAT(mapped.description.textures.at(mapped.description.shapes.at(0).alpha.texture).picture.path, HasSubstr("full.tga"));
+    for (const char* opaque : {"map_Kd unused.tga\n", "map_Kd full.tga\n"})
+        EXPECT_FALSE(scene(opaque).description.shapes.at(0).alpha.is_textured()) << opaque;
+}
+
+// As one that is missing.
+TEST_F(Obj, APictureThatCannotBeReadIsDoneWithout) {
+    folder_.write("lfs.png", "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n");
+    folder_.write("a.ktx2", "\xABKTX 20\xBB and so on");
+    folder_.write("cut.png", std::string("\x89PNG\r\n\x1a\n\0\0\0\xDIHDR", 16));
+    folder_.write("m.mtl", "newmtl m\nKd .5 .5 .5\nKs .5 .5 .5\nmap_Kd lfs.png\nmap_Ks a.ktx2\nmap_Ns cut.png\n");
+    const std::string faces = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const LoadedScene scene = load(faces);
+    const auto without = [](const std::string& map, const std::string& why) {
+        return AllOf(HasSubstr(map), HasSubstr(why), HasSubstr("the material is without it"));
+    };
+    EXPECT_THAT(scene.warnings,
+                ElementsAre(without("m.mtl:4: map_Kd: ", "lfs.png: cannot be read as a picture: the file is a Git LFS pointer"),
+                            without("m.mtl:5: map_Ks: ", "a.ktx2: cannot be read"), without("m.mtl:6: map_Ns: ", "cut.png: ")));
+    const Hash128 hash = content_hash(scene.description);
+    folder_.write("m.mtl", "newmtl m\nKd .5 .5 .5\nKs .5 .5 .5\n");
+    EXPECT_EQ(hash, content_hash(load(faces).description));
 }
 
 TEST_F(Obj, Utf16IsCalledByItsName) {

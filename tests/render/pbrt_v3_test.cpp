@@ -45,7 +45,8 @@ TEST_F(PbrtV3, OptionsAreThoseOfV4) {
     same(
         R"(LookAt 0 0 5 0 0 0 0 1 0 Camera "perspective" "float fov" 40 Sampler "02sequence" PixelFilter "box" Accelerator "kdtree")",
         R"(LookAt 0 0 5 0 0 0 0 1 0 Camera "perspective" "float fov" 40)");
-    same(R"(Integrator "directlighting" "integer maxdepth" 5)", R"(Integrator "path" "integer maxdepth" 1)");
+    same(R"(Integrator "directlighting" "integer maxdepth" 8)", R"(Integrator "path" "integer maxdepth" 8)");
+    same(R"(Integrator "whitted")", R"(Integrator "path" "integer maxdepth" 5)");
     same(R"(Integrator "path" "integer maxdepth" 7 "float rrthreshold" 0.5 "string lightsamplestrategy" "spatial")",
          R"(Integrator "path" "integer maxdepth" 7)");
 }
@@ -207,7 +208,18 @@ TEST_F(PbrtV3, WhatItLosesIsSaid) {
     };
     EXPECT_THAT(warnings("Material \"matte\" \"float sigma\" 20"),
                 ElementsAre(HasSubstr("room.pbrt:4:18: sigma: ignored: the surface is Lambert's")));
-    EXPECT_THAT(warnings("Material \"uber\" \"rgb Kr\" [ .5 .5 .5 ]"), ElementsAre(HasSubstr("Kr: ignored")));
+    EXPECT_THAT(warnings("Material \"uber\" \"rgb Kr\" [ .5 .5 .5 ] \"rgb Ks\" [ 1 1 1 ]"), ElementsAre(HasSubstr("Kr: ignored")));
+    for (const std::string type : {"plastic", "uber", "substrate"}) {
+        const std::string material = "Material \"" + type + "\"", message = "room.pbrt:4:1: " + type + ": Ks does not count: ";
+        EXPECT_THAT(warnings(material), ElementsAre(HasSubstr(message)));
+        EXPECT_THAT(warnings(material + " \"rgb Ks\" [ .1 .1 .1 ]"), ElementsAre(HasSubstr(message)));
+        EXPECT_EQ(warnings(material + " \"rgb Ks\" [ 1 1 1 ]").size(), type == "substrate" ? 1u : 0u) << type;
+        EXPECT_THAT(warnings(material + " \"rgb Ks\" [ 0 0 0 ]"), ::testing::IsEmpty());
+    }
+    const Result<LoadedScene> old =
+        testing::load("Integrator \"directlighting\"\nWorldBegin\nMaterial \"matte\"\nShape \"sphere\"");
+    ASSERT_TRUE(old) << old.error().message;
+    EXPECT_THAT(old->warnings, ::testing::Contains(HasSubstr("Integrator \"directlighting\" is replaced by \"path\": ")));
     EXPECT_THAT(warnings("Material \"glass\" \"rgb Kt\" [ 1 .5 .5 ]"), ElementsAre(HasSubstr("Kt: ignored")));
     EXPECT_THAT(warnings("LightSource \"point\" \"rgb scale\" [ 1 2 3 ]"), ElementsAre(HasSubstr("scale: its mean counts")));
     EXPECT_THAT(testing::refusal("Film \"image\"\nWorldBegin\nMaterial \"fourier\""),

@@ -98,6 +98,20 @@ Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std:
     return out;
 }
 
+Result<bool> has_opacity(const std::filesystem::path& path, const std::string& in_messages) {
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(std::uint64_t{1} << 30);
+    if (!pictures) return pictures.error().at(in_messages);
+    const Result<image::PictureInfo> info = (*pictures)->open(path.string(), in_messages, {});
+    if (!info) return info.error();
+    if (info->is_opaque) return false;
+    const Result<image::WholePicture> whole = (*pictures)->read(path.string(), in_messages, {});
+    if (!whole) return whole.error();
+    for (std::size_t i = 3; i < whole->values.size(); i += info->channels) {
+        if (whole->values[i] > 0) return true;
+    }
+    return false;
+}
+
 double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor) {
     const auto& row = color::RgbSpace::srgb().luminance_row;
     double sum = 0;

@@ -16,6 +16,10 @@ struct LoadedPicture {
 // Integers are encoded as sRGB. Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported.
 Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std::string& in_messages);
 
+// Whether a picture of a texture says by its alpha how much of a surface is there: alpha is not 1 everywhere, and not 0 everywhere,
+// as programs write it that do not use it. Errors: those of read_picture.
+Result<bool> has_opacity(const std::filesystem::path& path, const std::string& in_messages);
+
 // The mean luminance of the picture times a factor for each of R, G and B.
 double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor = {1, 1, 1});
 

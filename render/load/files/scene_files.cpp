@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "render/load/files/pictures.h"
 
 namespace latent::render {
 
@@ -139,6 +140,13 @@ Result<Hash128> SceneFiles::hash(const std::string& name) {
     const std::filesystem::path path = resolve(name);
     const auto known = hashes_.find(path);
     return known != hashes_.end() ? known->second : hashes_.emplace(path, hash_of(path)).first->second;
+}
+
+Result<bool> SceneFiles::has_opacity(const std::string& name) {
+    const std::filesystem::path path = resolve(name);
+    const auto known = opacities_.find(path);
+    return known != opacities_.end() ? known->second
+                                     : opacities_.emplace(path, latent::render::has_opacity(path, path.string())).first->second;
 }
 
 }  // namespace latent::render

@@ -11,6 +11,7 @@ constexpr std::string_view kSame = "it does not change the picture", kSpp = "set
                            kNamed = "-o names the samples, latent-develop writes the picture",
                            kWhole = "samples cover the whole film; latent-develop --crop takes a part",
                            kOther = "it belongs to another integrator", kLost = "pbrt-v4 has no such surface",
+                           kCoat = "the coat reflects what its index says",
                            kExposure = "set the exposure with latent-convert --sensitivity";
 
 constexpr UnreadFeatures kUnreadFeatures[] = {
@@ -56,6 +57,9 @@ constexpr UnreadFeatures kUnreadFeatures[] = {
     {kPbrtV3, "Shape", "shadowalpha", "shadows have the alpha of the shape"},
     {kPbrtV3, "Texture", "aamode", "textures are filtered", true},
     {kPbrtV3, "matte", "sigma", "the surface is Lambert's"},
+    {kPbrtV3, "plastic", "Ks", kCoat},
+    {kPbrtV3, "substrate", "Ks", kCoat},
+    {kPbrtV3, "uber", "Ks", kCoat},
     {kPbrtV3, "uber", "Kr Kt", kLost},
     {kPbrtV3, "glass", "Kr Kt", "glass has no colour of its own"},
     {kPbrtV3, "metal", "Kr", kLost},

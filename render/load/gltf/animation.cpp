@@ -84,10 +84,34 @@ std::optional<KeyFrames> read_key_frames(const GltfDocument& document, const Glt
     return out;
 }
 
+// Whether the middle of a motion is more than a tenth of its way off the line between its ends.
+bool strays(const std::optional<std::array<double, 3>>& start, const std::optional<std::array<double, 3>>& end,
+            const std::optional<std::array<double, 3>>& middle, double share) {
+    if (!start || !end || !middle) return false;
+    double off = 0, way = 0, size = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double a = (*start)[i], b = (*end)[i], m = (*middle)[i];
+        off = std::max(off, std::abs(m - ((1 - share) * a + share * b)));
+        way = std::max({way, std::abs(b - a), std::abs(m - a)});
+        size = std::max({size, std::abs(a), std::abs(b)});
+    }
+    return off > 0.1 * way && off > 1e-5 * size;
+}
+// The same of a turn, by more than 0.2.
+bool strays(const std::optional<std::array<double, 4>>& start, const std::optional<std::array<double, 4>>& end,
+            const std::optional<std::array<double, 4>>& middle, double share) {
+    if (!start || !end || !middle) return false;
+    const auto floats = [](const std::array<double, 4>& q) { return std::vector<float>(q.begin(), q.end()); };
+    const std::vector<double> even = slerp(floats(*start), floats(*end), share);
+    double cosine = 0, size = 0;
+    for (std::size_t i = 0; i < 4; ++i) cosine += even[i] * (*middle)[i], size += (*middle)[i] * (*middle)[i];
+    return 2 * std::acos(std::min(std::abs(cosine) / std::sqrt(size), 1.0)) > 0.2;
+}
+
 }  // namespace
 
-std::vector<GltfNodePose> poses_at(const GltfDocument& document, double seconds) {
-    const GltfValue root = document.root(), nodes = root["nodes"], animation = root["animations"][std::size_t{0}];
+std::vector<GltfNodePose> poses_at(const GltfDocument& document, std::size_t index, double seconds) {
+    const GltfValue root = document.root(), nodes = root["nodes"], animation = root["animations"][index];
     std::vector<GltfNodePose> poses(nodes.size());
     for (std::size_t i = 0; i < animation["channels"].size(); ++i) {
         const GltfValue channel = animation["channels"][i], target = channel["target"];
@@ -113,6 +137,43 @@ std::vector<GltfNodePose> poses_at(const GltfDocument& document, double seconds)
         }
     }
     return poses;
+}
+
+std::vector<std::uint32_t> uneven_nodes(const GltfDocument& document, std::size_t animation, double from, double to) {
+    const std::vector<GltfNodePose> start = poses_at(document, animation, from), end = poses_at(document, animation, to);
+    std::vector<bool> is_uneven(start.size());
+    for (const double share : {0.21, 0.47, 0.83}) {  // whole turns have none of them in common
+        const std::vector<GltfNodePose> middle = poses_at(document, animation, from + share * (to - from));
+        for (std::size_t i = 0; i < start.size(); ++i) {
+            const GltfNodePose &a = start[i], &b = end[i], &m = middle[i];
+            if (strays(a.translation, b.translation, m.translation, share) || strays(a.scale, b.scale, m.scale, share) ||
+                strays(a.rotation, b.rotation, m.rotation, share))
+                is_uneven[i] = true;
+        }
+    }
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < is_uneven.size(); ++i) {
+        if (is_uneven[i]) out.push_back(i);
+    }
+    return out;
+}
+
+std::vector<std::string> animation_names(const GltfDocument& document) {
+    const GltfValue root = document.root(), animations = root["animations"];
+    std::vector<std::string> out;
+    for (std::size_t i = 0; i < animations.size(); ++i) {
+        const GltfValue name = animations[i]["name"], samplers = animations[i]["samplers"];
+        double seconds = 0;
+        for (std::size_t s = 0; s < samplers.size(); ++s) {
+            const std::optional<std::uint32_t> times = samplers[s]["input"].index(root["accessors"]);
+            if (!times) continue;
+            const GltfValue last = root["accessors"][*times]["max"];
+            if (last.size() == 1) seconds = std::max(seconds, last.numbers(std::array<double, 1>{0})[0]);
+        }
+        out.push_back(
+            fmt::format("{}{} ({:.3g} s)", i + 1, name.is_text() && !name.text().empty() ? " " + name.text() : "", seconds));
+    }
+    return out;
 }
 
 }  // namespace latent::render

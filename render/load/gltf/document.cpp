@@ -187,7 +187,7 @@ std::optional<std::string> GltfDocument::resource(const GltfValue& uri) const {
     }
     const std::optional<std::string> name = file_of_uri(text);
     if (!name) {
-        uri.error(fmt::format("\"{}\" is not a file; nothing is loaded from a network", text.substr(0, 80)));
+        uri.error(fmt::format("\"{}\" is not a path; give that of a file beside this one", text.substr(0, 80)));
         return std::nullopt;
     }
     Result<std::string> bytes = files_->include(files_->resolve(*name));

@@ -62,12 +62,14 @@ class GltfLoader {
         match_emission_of_blender();
         for (std::uint32_t i = 0; i < root()["meshes"].size(); ++i) meshes_.push_back({.index = i});
         world_from_node_.resize(root()["nodes"].size());
-        model_.has_animation = root()["animations"].size() > 0;
+        find_animation();
         poses_.resize(root()["nodes"].size());
-        if ((options_.time || options_.shutter) && model_.has_animation) {
+        const bool is_played = options_.time || options_.shutter || !options_.animation.empty();
+        if (is_played && model_.has_animation) {
             const double time = options_.time.value_or(0);
-            poses_ = poses_at(document_, time + (options_.shutter ? (*options_.shutter)[0] : 0));
-            if (options_.shutter) last_poses_ = poses_at(document_, time + (*options_.shutter)[1]);
+            const double opens = time + (options_.shutter ? (*options_.shutter)[0] : 0);
+            poses_ = poses_at(document_, animation_, opens);
+            if (options_.shutter) read_motion(opens, time + (*options_.shutter)[1]);
         }
         walk_nodes();
         choose_camera();
@@ -79,10 +81,14 @@ class GltfLoader {
         model_.is_object = root()["cameras"].size() == 0;
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
-        const bool is_played = options_.time || options_.shutter;
         if (model_.has_animation && !is_played)
-            root()["animations"].warn("animations are ignored: the model is in its rest pose; --time SECONDS shows a moment");
-        if (root()["animations"].size() > 1 && is_played) root()["animations"].warn("only the first animation is shown");
+            root()["animations"].warn(fmt::format(
+                "animations are ignored: the model is in its rest pose; --time SECONDS shows a moment of the first, or of "
+                "that which --animation names: {}",
+                fmt::join(model_.animations, ", ")));
+        if (model_.animations.size() > 1 && is_played && options_.animation.empty())
+            root()["animations"].warn(fmt::format("the first is shown; --animation chooses another by number or name: {}",
+                                                  fmt::join(model_.animations, ", ")));
         return std::move(model_);
     }
 
@@ -104,6 +110,16 @@ class GltfLoader {
     };
 
     GltfValue root() const { return document_.root(); }
+
+    void read_motion(double opens, double closes) {
+        last_poses_ = poses_at(document_, animation_, closes);
+        for (const std::uint32_t node : uneven_nodes(document_, animation_, opens, closes))
+            root()["nodes"][node].warn_of_kind(
+                "uneven",
+                "is blurred along a straight line, and by less than half a turn, from where it is when the shutter opens to where "
+                "it "
+                "is when it closes; its own motion is another one, which a shorter --shutter comes nearer to");
+    }
 
     // Entry i is /materials/i, the last one the default material.
     void read_materials() {
@@ -160,6 +176,20 @@ class GltfLoader {
             "was written by Blender, which writes lamps in lumens and emission in watts: emission is multiplied by {:.0f}",
             kLumensPerWatt));
     }
+    void find_animation() {
+        model_.animations = animation_names(document_);
+        const GltfValue animations = root()["animations"];
+        for (std::size_t i = 0; i < animations.size() && !model_.has_animation; ++i) {
+            const GltfValue name = animations[i]["name"];
+            model_.has_animation = options_.animation.empty() || (name.is_text() && name.text() == options_.animation);
+            if (model_.has_animation) animation_ = i;
+        }
+        for (std::size_t i = 0; i < animations.size() && !model_.has_animation; ++i) {
+            model_.has_animation = options_.animation == fmt::format("{}", i + 1);
+            if (model_.has_animation) animation_ = i;
+        }
+    }
+
     void find_variant() {
         const GltfValue variants = root().extension("KHR_materials_variants")["variants"];
         for (std::uint32_t i = 0; i < variants.size(); ++i) {
@@ -540,6 +570,7 @@ class GltfLoader {
     Model model_;
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
+    std::size_t animation_ = 0;                            // the one that is shown
     std::vector<GltfNodePose> poses_;                      // of each node, at the moment that is shown, or the shutter opens
     std::vector<GltfNodePose> last_poses_;                 // where it closes; empty: it shows a moment
     std::vector<std::optional<Affined>> world_from_node_;  // of those in trees

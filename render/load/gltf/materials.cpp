@@ -138,12 +138,14 @@ Body read_metallic_roughness(const GltfValue& material, VertexColors vertices, G
     surface.numbers["roughness"] = textures.number(rough, PictureChannel::kGreen, body.roughness);
     surface.numbers["metallic"] = textures.number(rough, PictureChannel::kBlue, body.metallic);
     const GltfValue specular = material.extension("KHR_materials_specular"), weight_picture = specular["specularTexture"];
-    const double weight = specular["specularFactor"].factor(1, 0, 1),
-                 bright = read_specular_color(specular["specularColorTexture"],
-                                              rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit), textures, surface);
-    // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
+    const GltfValue color_picture = specular["specularColorTexture"];
+    // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector. No colour makes it more than 1.
     const GltfValue ior = material.extension("KHR_materials_ior")["ior"];
     const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, kNoLimit), root = (index - 1) / (index + 1);
+    LinearRgb rgb = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit);
+    for (double& x : rgb) x = root == 0 || color_picture.exists() ? x : std::min(x, 1 / (root * root));
+    const double weight = specular["specularFactor"].factor(1, 0, 1),
+                 bright = read_specular_color(color_picture, rgb, textures, surface);
     surface.numbers["f0"] = textures.number(weight_picture, PictureChannel::kAlpha, std::min(root * root * bright, 1.0) * weight);
     surface.numbers["f90"] = textures.number(weight_picture, PictureChannel::kAlpha, weight);
     return body;
@@ -166,7 +168,9 @@ Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, Gl
     if (body.metallic == 1) {
         surface.spectra["base_color"] = textures.color(picture, specular);
     } else {
-        surface.spectra["base_color"] = textures.color(body.picture, diffuse, vertices);
+        SpectrumInput& color = surface.spectra["base_color"] = textures.color(body.picture, diffuse, vertices);
+        if (picture.exists())
+            color = textures.product(color, textures.between(1 / (1 - 0.04), 0, textures.largest(picture, specular)));
         surface.numbers["f0"] = static_cast<float>(read_specular_color(picture, specular, textures, surface));
     }
     return body;
@@ -231,7 +235,7 @@ GltfMaterial read_material(const GltfValue& material, VertexColors vertices, con
                                                         fraction_of(coat["clearcoatRoughnessFactor"], 0));
     const SpectrumInput base_color = surface.spectra.at("base_color");
     if (material.extension("KHR_materials_unlit").exists()) {
-        material.warn("an unlit material is rendered as a matt one");
+        material.warn_of_kind("unlit", "an unlit material is rendered as a matt one");
         surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
     } else {
         read_second(material, body, colors, textures, out);

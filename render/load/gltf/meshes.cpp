@@ -268,7 +268,7 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         const GltfValue primitive = primitives[i];
         const std::uint64_t mode = primitive["mode"].count(kTriangles);
         if (mode < kTriangles) {
-            primitive.warn("points and lines are ignored");
+            primitive.warn_of_kind("points", "points and lines are ignored");
             continue;
         }
         if (mode > kFan || !primitive["attributes"]["POSITION"].exists()) {

@@ -141,7 +141,7 @@ const std::optional<PictureDescription>& GltfTextures::picture(std::uint32_t ind
         const std::string path = document_.files().resolve(*name).string();
         if (content) entry->second = PictureDescription{.path = path, .name = uri.path() + ": " + path, .content = *content};
     } else {
-        uri.error(fmt::format("\"{}\" is not a file; nothing is loaded from a network", uri.text().substr(0, 80)));
+        uri.error(fmt::format("\"{}\" is not a path; give that of a file beside this one", uri.text().substr(0, 80)));
     }
     return entry->second;
 }

@@ -33,6 +33,8 @@ class GltfTextures {
     FloatInput number(const GltfValue& info, PictureChannel channel, double factor, VertexColors vertices = VertexColors::kAbsent);
     // 1 minus a factor times the textureInfo.
     FloatInput inverted(const GltfValue& info, PictureChannel channel, double factor);
+    // The largest of R, G and B of a factor times the textureInfo, which is of colours.
+    FloatInput largest(const GltfValue& info, const LinearRgb& factor) { return values_.largest(read(info), factor); }
     // The index of the texture; kNone, with an error, if it cannot be read.
     std::uint32_t normal_map(const GltfValue& info);
     // Nothing if it is black, or with an error.
@@ -40,6 +42,7 @@ class GltfTextures {
     // From `low` to `high` as `value` goes from 0 to 1.
     FloatInput between(double low, double high, const FloatInput& value) { return values_.between(low, high, value); }
     FloatInput product(const FloatInput& a, const FloatInput& b) { return values_.product(a, b); }
+    SpectrumInput product(const SpectrumInput& color, const FloatInput& share) { return values_.product(color, share); }
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold) { return values_.thresholded(value, threshold); }
 

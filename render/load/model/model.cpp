@@ -85,6 +85,7 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
     const bool is_shown = model.is_object && additions.empty() && options.stage;
     std::vector<std::string> notes = std::move(model.notes);
     if (!model.has_camera && !model.has_idle_cameras) notes.emplace_back("has no camera; one that shows the whole model is added");
+    if (model.has_camera && options.view != ModelView::kThreeQuarter) notes.emplace_back("has a camera: --view changes nothing");
     if (!model.has_camera) model.scene.camera = framing(points, model.scene.film, options);
     if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
     if (!options.sky.empty()) {

@@ -19,8 +19,9 @@ struct Model {
     std::vector<double> radiances{};                  // of each of scene.area_lights, of glTF and OBJ: the largest component
     std::vector<std::string> cameras{};               // of all in the scene: number and name
     std::vector<std::string> variants{};              // names
-    bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
-    bool has_animation = false;
+    std::vector<std::string> animations{};            // number, name and length
+    // The one that was asked for.
+    bool has_camera = false, has_idle_cameras = false, has_variant = false, has_animation = false;
     bool is_object = false;            // it could have cameras, and has none: no scene, but a thing to be shown
     double sky_scale = 1;              // of a picture of the sky, so that it is in the unit of the lamps
     bool has_integrator = false;       // the scene says which, and how deep

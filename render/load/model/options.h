@@ -15,7 +15,8 @@ enum class ModelView : std::uint8_t { kThreeQuarter, kFront, kTop };
 struct ModelOptions {
     std::string camera{};                            // the name of a camera or of its node, or its number from 1; empty: the first
     std::string variant{};                           // the name of a variant of the model's materials; empty: as they are
-    std::optional<double> time{};                    // [s] of the model's first animation; nothing: the model rests
+    std::string animation{};                         // the name of an animation, or its number from 1; empty: the first
+    std::optional<double> time{};                    // [s] of the animation; nothing: the model rests, unless `animation` is said
     std::optional<std::array<double, 2>> shutter{};  // opens and closes so many seconds after that; nothing: at once
     ModelView view = ModelView::kThreeQuarter;
     bool is_z_up = false;               // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z

@@ -35,6 +35,15 @@ FloatInput ModelValues::number(std::optional<TextureDescription> picture, Pictur
     return out;
 }
 
+FloatInput ModelValues::largest(std::optional<TextureDescription> picture, const LinearRgb& factor) {
+    if (!picture || std::ranges::max(factor) == 0) return static_cast<float>(std::ranges::max(factor));
+    picture->picture.channel = static_cast<std::uint8_t>(PictureChannel::kLargest);
+    picture->tint = {factor[0], factor[1], factor[2], 1};
+    FloatInput out;
+    out.texture = add(std::move(*picture));
+    return out;
+}
+
 Result<std::optional<AreaLightDescription>> ModelValues::emission(std::optional<TextureDescription> picture,
                                                                   const LinearRgb& factor) {
     AreaLightDescription out{.spectrum = colors_.emission(factor)};
@@ -75,6 +84,16 @@ FloatInput ModelValues::product(const FloatInput& a, const FloatInput& b) {
     texture.numbers[0] = a;
     texture.amount = b;
     FloatInput out;
+    out.texture = add(std::move(texture));
+    return out;
+}
+
+SpectrumInput ModelValues::product(const SpectrumInput& color, const FloatInput& share) {
+    TextureDescription texture{.kind = TextureKind::kScale};
+    texture.is_spectrum = true;
+    texture.spectra[0] = color;
+    texture.amount = share;
+    SpectrumInput out;
     out.texture = add(std::move(texture));
     return out;
 }

@@ -11,8 +11,8 @@
 
 namespace latent::render {
 
-// kMean: of R, G and B, or alpha if it varies.
-enum class PictureChannel : std::uint8_t { kRed, kGreen, kBlue, kAlpha, kMean = 255 };
+// kMean: of R, G and B, or alpha if it varies. kLargest: of R, G and B.
+enum class PictureChannel : std::uint8_t { kRed, kGreen, kBlue, kAlpha, kLargest = 254, kMean = 255 };
 
 class ModelValues {
  public:
@@ -23,6 +23,8 @@ class ModelValues {
     SpectrumInput color(std::optional<TextureDescription> picture, const LinearRgb& factor, bool by_vertex_color = false);
     FloatInput number(std::optional<TextureDescription> picture, PictureChannel channel, double factor,
                       bool by_vertex_color = false);
+    // The largest of R, G and B of a colour.
+    FloatInput largest(std::optional<TextureDescription> picture, const LinearRgb& factor);
     // What a surface emits: nothing if it is black everywhere. Errors: those of read_picture.
     Result<std::optional<AreaLightDescription>> emission(std::optional<TextureDescription> picture, const LinearRgb& factor);
     // The index of the texture.
@@ -30,6 +32,8 @@ class ModelValues {
     // From `low` to `high` as `value` goes from 0 to 1.
     FloatInput between(double low, double high, const FloatInput& value);
     FloatInput product(const FloatInput& a, const FloatInput& b);
+    // Of a reflectance; above 1 it is 1.
+    SpectrumInput product(const SpectrumInput& color, const FloatInput& share);
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold);
 

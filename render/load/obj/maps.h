@@ -13,10 +13,11 @@ struct MtlMap {
     TextureDescription texture{};                    // of kind kImage
     PictureChannel channel = PictureChannel::kMean;  // -imfchan: of a number
     double strength = 1;                             // -bm: of a bump or normal map
+    bool has_opacity = false;                        // of the picture (files/pictures.h)
 };
 
 // "map_Kd -s 2 2 1 -clamp on wood 1.png". The file is looked for in the folder of the MTL file, in that of the OBJ file, and in
-// both without the folders of its name. Nothing, with a warning, if there is none.
+// both without the folders of its name. Nothing, with a warning, if there is none, or if it cannot be read.
 std::optional<MtlMap> read_map(const Statements& statement, const std::string& mtl_name, SceneFiles& files);
 
 }  // namespace latent::render

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/load/files/pictures.h"
 #include "render/load/files/unread.h"
@@ -34,7 +35,7 @@ struct Block {
     }
 };
 
-constexpr double kIndex = 1.5, kSheenRoughness = 0.3;
+constexpr double kIndex = 1.5, kSheenRoughness = 0.3, kF0OfKs = 0.08;
 constexpr std::string_view kMaps[] = {"map_Kd", "map_Ks", "map_Ke", "map_Ns",  "map_d", "map_Pr",
                                       "map_Pm", "map_Ps", "map_Pc", "map_Pcr", "norm",  "bump"};
 constexpr std::string_view kProperties[] = {"Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr"};
@@ -73,16 +74,27 @@ double number_within(const Statements& s, double low, double high, std::size_t w
     return std::clamp(x, low, high);
 }
 
-// A mirror says so, and is brighter than its diffuse colour: exporters write these illum for things that shine a little, too.
-bool is_mirror(const Block& b, const LinearRgb& kd) {
-    return (b.illum == 3 || b.illum == 5 || b.illum == 8) && !b.maps.contains("map_Kd") &&
-           std::ranges::max(b.ks) > std::ranges::max(kd);
+// By illum, light is mirrored as by a polished surface.
+bool mirrors(const Block& b) { return b.illum == 3 || b.illum == 5 || b.illum == 8; }
+
+// A metal has a Ks that is brighter than its Kd, and says that it mirrors: exporters write these illum for things that shine a
+// little, too. Or next to nothing is seen of it but a Ks above 0.5, which Blender writes for anything.
+bool is_metal(const Block& b, const LinearRgb& kd) {
+    const double body = std::ranges::max(kd), mirror = std::ranges::max(b.ks);
+    if (b.maps.contains("map_Kd") || b.illum < 2) return false;
+    return mirrors(b) ? mirror > body : mirror > 0.5 && mirror >= 10 * body;
 }
 
+// Glass refracts. Maya writes illum 4 and an index of 1 for all that it has; Blender writes illum 9 for all that has a d below 1,
+// and its d says how much of it is seen.
 bool is_glass(const Block& b) {
-    if (b.maps.contains("map_Kd") || b.maps.contains("map_d")) return false;
-    return b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || b.opacity < 0.5;
+    if (b.ni == 1 || b.maps.contains("map_Kd") || b.maps.contains("map_d")) return false;
+    const bool refracts = b.illum == 4 || b.illum == 6 || b.illum == 7 || (b.illum == 9 && b.opacity == 1);
+    return refracts || (b.opacity > 0 && b.opacity < 0.5);
 }
+
+// Of facets, as Blender and assimp read Ns, and as Blender writes it.
+double roughness_of(double ns) { return 1 - std::sqrt(std::min(ns, 1000.0) / 1000); }
 
 // Whether a picture's colours are directions near (0, 0, 1): normal maps are found under "bump", too.
 bool is_normal_map(const PictureDescription& picture) {
@@ -104,11 +116,7 @@ class Describer {
         MtlMaterial out;
         describe_surface(b, out.surface);
         out.surface.name = b.name;
-        if (!is_glass(b)) out.alpha = values_.number(b.picture("map_d"), b.channel("map_d"), b.opacity);
-        if (!is_glass(b) && b.opacity == 0)
-            target_.diagnostics.warn_of_kind(
-                "d 0", b.place,
-                fmt::format("{}: d is 0 (or Tr is 1), so that nothing of it is seen; delete that line to see it", b.name));
+        if (!is_glass(b)) out.alpha = alpha(b);
         describe_relief(b, out.surface);
         const bool is_mapped = b.maps.contains("map_Ke");
         const LinearRgb ke = b.ke.value_or(is_mapped ? LinearRgb{1, 1, 1} : LinearRgb{0, 0, 0});
@@ -122,16 +130,28 @@ class Describer {
     }
 
  private:
-    // Which of the closures comes nearest. Transparency first, then what only metallic-roughness has, then mirrors, then Phong's
-    // lobe.
+    // Some programs write d 0 or Tr 1 for what is opaque; nobody means a material that is not there.
+    FloatInput alpha(const Block& b) {
+        if (b.opacity == 0)
+            target_.diagnostics.warn_of_kind(
+                "d 0", b.place, fmt::format("{}: d is 0 (or Tr is 1), which would hide all of it; it is opaque", b.name));
+        const double opacity = b.opacity == 0 ? 1 : b.opacity;
+        const auto color = b.maps.find("map_Kd");
+        if (b.maps.contains("map_d") || color == b.maps.end() || !color->second.has_opacity)
+            return values_.number(b.picture("map_d"), b.channel("map_d"), opacity);
+        target_.diagnostics.note_of_kind("map_Kd", b.place,
+                                         fmt::format("{}: has no map_d; the alpha of its map_Kd is its opacity", b.name));
+        return values_.number(color->second.texture, PictureChannel::kAlpha, opacity);
+    }
+
+    // Which of the closures comes nearest. Transparency first, then what says that it is metallic-roughness, then metals, then what
+    // has a gloss.
     void describe_surface(const Block& b, MaterialDescription& surface) {
         // Where the diffuse colour is black or missing, its picture is all there is.
         const bool is_mapped = b.maps.contains("map_Kd");
         LinearRgb kd = b.kd.value_or(LinearRgb{0.5, 0.5, 0.5});
         if (is_mapped && (!b.kd || std::ranges::max(kd) == 0)) kd = {1, 1, 1};
-        const auto diffuse = [&](double share) {
-            return values_.color(b.picture("map_Kd"), {kd[0] * share, kd[1] * share, kd[2] * share}, target_.by_vertex_color);
-        };
+        const auto diffuse = [&] { return values_.color(b.picture("map_Kd"), kd, target_.by_vertex_color); };
         const auto number = [&](const char* map, double factor) { return values_.number(b.picture(map), b.channel(map), factor); };
         if (is_glass(b)) {
             surface.type = "dielectric";
@@ -143,7 +163,7 @@ class Describer {
         if (has_pbr) {
             const double root = (b.ni - 1) / (b.ni + 1);
             surface.type = "metallicroughness";
-            surface.spectra = {{"base_color", diffuse(1)}};
+            surface.spectra = {{"base_color", diffuse()}};
             surface.numbers = {{"roughness", number("map_Pr", b.roughness.value_or(b.maps.contains("map_Pr") ? 1 : 0.5))},
                                {"metallic", number("map_Pm", b.metallic.value_or(b.maps.contains("map_Pm") ? 1 : 0))},
                                {"f0", static_cast<float>(root * root)},
@@ -154,25 +174,27 @@ class Describer {
             surface.type = "sheen";
             surface.spectra["sheen.color"] = values_.color(b.picture("map_Ps"), {sheen, sheen, sheen});
             surface.numbers["sheen.roughness"] = static_cast<float>(kSheenRoughness);
-        } else if (is_mirror(b, kd)) {
+        } else if (is_metal(b, kd)) {
             surface.type = "metallicroughness";
             surface.spectra = {{"base_color", values_.color(b.picture("map_Ks"), b.ks)}};
-            surface.numbers = {{"metallic", 1.0f}, {"roughness", 0.0f}};
+            surface.numbers = {{"metallic", 1.0f}, {"roughness", mirrors(b) ? FloatInput(0.0f) : roughness(b)}};
         } else if (std::ranges::max(b.ks) > 0 && b.illum >= 2) {
-            double most = 0;
-            for (std::size_t i = 0; i < 3; ++i) most = std::max(most, kd[i] + b.ks[i]);
-            const double share = 1 / std::max(most, 1.0);
-            if (share < 1)
-                target_.diagnostics.warn_of_kind(
-                    "Kd + Ks", b.place,
-                    fmt::format("{}: Kd + Ks exceeds 1; both are scaled by {:.3f} to conserve energy", b.name, share));
-            surface.type = "phong";
-            surface.spectra = {{"Kd", diffuse(share)},
-                               {"Ks", values_.color(b.picture("map_Ks"), {b.ks[0] * share, b.ks[1] * share, b.ks[2] * share})}};
-            surface.numbers = {{"exponent", number("map_Ns", b.ns)}};
+            // A dielectric. 0.5 stands for an index of 1.5; below it, reflection fades at all angles.
+            const double ks = (b.ks[0] + b.ks[1] + b.ks[2]) / 3;
+            surface.type = "metallicroughness";
+            surface.spectra = {{"base_color", diffuse()}};
+            surface.numbers = {{"metallic", 0.0f},
+                               {"roughness", roughness(b)},
+                               {"f0", number("map_Ks", kF0OfKs * std::min(ks, 1.0))},
+                               {"f90", number("map_Ks", std::min(2 * ks, 1.0))}};
         } else {
-            surface.spectra = {{"reflectance", diffuse(1)}};
+            surface.spectra = {{"reflectance", diffuse()}};
         }
+    }
+
+    // A picture of Ns leads from matt to it.
+    FloatInput roughness(const Block& b) {
+        return values_.between(1, roughness_of(b.ns), values_.number(b.picture("map_Ns"), b.channel("map_Ns"), 1));
     }
 
     void describe_relief(const Block& b, MaterialDescription& surface) {
@@ -237,7 +259,9 @@ bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& t
     Statements statements(text, target.files.resolve(name).string(), target.diagnostics);
     Describer describe(target);
     std::optional<Block> block;
+    bool is_empty = true;  // but for comments
     while (statements.next()) {
+        is_empty = false;
         const std::string_view key = statements.keyword();
         if (key == "newmtl") {
             if (block) materials[block->name] = describe(*block);
@@ -263,7 +287,7 @@ bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& t
         }
     }
     if (block) materials[block->name] = describe(*block);
-    return block.has_value();
+    return block || is_empty;
 }
 
 }  // namespace latent::render

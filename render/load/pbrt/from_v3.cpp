@@ -265,8 +265,8 @@ void FromPbrtV3::film(Directive& d) const {
 
 void FromPbrtV3::integrator(Directive& d) const {
     if (d.strings[0] != "directlighting" && d.strings[0] != "whitted") return;
-    if (d.strings[0] == "directlighting") set(d, "integer", "maxdepth", {1});
-    diagnostics_.note(d.where, fmt::format("Integrator \"{}\" is replaced by \"path\"", d.strings[0]));
+    diagnostics_.warn(d.where,
+                      fmt::format("Integrator \"{}\" is replaced by \"path\": surfaces light each other, too", d.strings[0]));
     d.strings[0] = "path";
 }
 
@@ -356,7 +356,10 @@ std::optional<double> FromPbrtV3::material(std::string& type, Directive& d) cons
     std::optional<double> opacity;
     const auto coated = [&](double roughness, double body) {
         const std::optional<Parameter> mirror = take(d, "Ks");
-        const bool is_coated = !mirror || grey(*mirror) != 0;
+        const bool is_coated = !mirror || grey(*mirror) != 0, is_whole = type != "substrate" && mirror && grey(*mirror) == 1;
+        if (is_coated && !is_whole)
+            diagnostics_.say_of_unread("Ks of " + type, diagnostics_.place(d.where), type + ": Ks does not count",
+                                       *find_unread(SceneLanguage::kPbrtV3, type, "Ks"));
         make_reflectance(d, "Kd", "reflectance");
         set_default(d, "rgb", "reflectance", {body, body, body});
         type = is_coated ? "coateddiffuse" : "diffuse";
