@@ -161,7 +161,8 @@ std::string missing_command(const CLI::App& app, const std::vector<std::string>&
     }
     if (unknown.empty()) return "a command is missing: " + list;
     std::error_code ignored;
-    if (is_url(unknown.front()) || std::filesystem::exists(unknown.front(), ignored))
+    const std::filesystem::path path(unknown.front());
+    if (is_url(unknown.front()) || path.has_extension() || std::filesystem::exists(path, ignored))
         return fmt::format("a command is missing; try: {} {} {}", program(), names.front(), unknown.front());
     const std::string near = near_names(unknown.front(), names);
     return fmt::format("unknown command {}; {}", unknown.front(),

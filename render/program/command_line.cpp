@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include "base/simd.h"
 #include "base/url.h"
@@ -15,8 +17,10 @@ namespace latent::render {
 
 namespace {
 
-// What to do with a file of another kind, by its name; empty if it may be a scene.
+// What to do with a file of another kind, by its name; empty if it may be a scene, or if there is none.
 std::string no_scene(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) return "";
     constexpr std::string_view kModels[] = {".3ds", ".abc", ".c4d", ".dae", ".fbx",  ".ma",   ".max", ".mb",
                                             ".ply", ".skp", ".stl", ".usd", ".usda", ".usdc", ".usdz"};
     const std::string name = shown_name(path), stem = path.stem().string(), extension = path.extension().string();

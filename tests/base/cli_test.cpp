@@ -63,6 +63,8 @@ TEST(Cli, WithoutACommandTheFileGetsOne) {
     EXPECT_EXIT(parse_with({}), ::testing::ExitedWithCode(kUsage), "^tool: a command is missing: info, verify; see --help\n$");
     EXPECT_EXIT(parse_with({"/dev/null"}), ::testing::ExitedWithCode(kUsage),
                 "^tool: a command is missing; try: tool info /dev/null; see --help\n$");
+    EXPECT_EXIT(parse_with({"no.latent"}), ::testing::ExitedWithCode(kUsage),
+                "^tool: a command is missing; try: tool info no.latent; see --help\n$");
     EXPECT_EXIT(parse_with({"verfy"}), ::testing::ExitedWithCode(kUsage),
                 "^tool: unknown command verfy; did you mean verify\\?; see --help\n$");
     EXPECT_EXIT(parse_with({"zzz"}), ::testing::ExitedWithCode(kUsage),
