@@ -89,7 +89,8 @@ class Engine {
         const Result<Plan> plan = make_plan();
         if (!plan) return plan.error();
         if (Status s = check_room(*plan); !s) return s.error();
-        return PlannedWork{static_cast<double>(plan->stored_bytes()) * plan->decode_factor(slab_bytes_), plan->segments()};
+        return PlannedWork{static_cast<double>(plan->stored_bytes()) * plan->decode_factor(slab_bytes_), plan->segments(),
+                           plan->segments() * static_cast<double>(Loader::segment_bytes())};
     }
 
     Result<DevelopCounts> run(const Progress& progress) {

@@ -51,9 +51,9 @@ Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& c
                               const Progress& progress = {});
 
 // Bytes of pages, on disk, that would be decoded: more than there are if Settings::memory is too small to decode each once. And
-// about how many segments they would make. Errors: of reading.
+// about how many segments they would make, and what these take in memory beside their records. Errors: of reading.
 struct PlannedWork {
-    double bytes = 0, segments = 0;
+    double bytes = 0, segments = 0, segment_bytes = 0;
 };
 Result<PlannedWork> planned_work(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings);
 

@@ -92,7 +92,7 @@ std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelR
     const std::uint64_t pieces = pieces_at_most(page, cells);
     if (pieces == 0) return 0;
     const PixelRect sorted = moves_records() ? reached(page, cells) : PixelRect{};
-    return kPageBytes + SegmentColumns::bytes(page.record_count, stride_) + pieces * (sizeof(Segment) + sizeof(SlotRows)) +
+    return kPageBytes + SegmentColumns::bytes(page.record_count, stride_) + pieces * segment_bytes() +
            static_cast<std::uint64_t>(sorted.width() * sorted.height()) * (sizeof(std::uint32_t) + sizeof(SegmentColumns));
 }
 

@@ -67,6 +67,7 @@ class Loader {
     static std::uint64_t index_bytes(const PixelRect& cells);
     // About how many segments a page makes in `cells`, if its records lie anywhere in its part of the film.
     double expected_segments(const sampledb::PageInfo& page, const PixelRect& cells) const;
+    static std::uint64_t segment_bytes() { return sizeof(Segment) + sizeof(SlotRows); }  // beside its records
     // Bytes that each thread needs beside a decoded page.
     std::uint64_t thread_bytes() const;
 

@@ -42,7 +42,7 @@ Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial, double known_of_most) {
     constexpr double kMaxGrowth = 64;
-    constexpr double kUncertain = 0.05;  // of what is known
+    constexpr double kUncertain = 0.05, kDoubtful = 0.3;  // of what is known, and of what was measured
     constexpr std::size_t kRepeats = 2, kLastRepeats = 4;
     LinearCost cost;
     Tried first, last;
@@ -69,7 +69,8 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         cost.fixed = at_least(last.cost - cost.each * last.amount, {});
         const double known = tried->known.alone(), more_known = std::max(known_of_most - known, 0.0) / std::max(most - amount, 1.0);
         const auto affordable = [&](double tries) {
-            const double each = std::max({cost.each.alone(), kUncertain * known / amount, 1e-12}) + more_known;
+            const double at_least_each = (kUncertain * known + kDoubtful * last.cost.alone()) / amount;
+            const double each = std::max({cost.each.alone(), at_least_each, 1e-12}) + more_known;
             const double count = (left / tries - known + more_known * amount - cost.fixed.alone()) / each;
             return std::min({kMaxGrowth * amount, count, most});
         };

@@ -20,8 +20,8 @@ std::string to_text(const Forecast& f) {
     const std::string all = f.pictures > 1 ? fmt::format("{} pictures, ", f.pictures) : "";
     std::string text =
         fmt::format("{}: {}{} x {} pixels of {} x {}", f.output, all, f.crop.width(), f.crop.height(), f.width, f.height);
-    if (f.seconds)
-        text += fmt::format(", about {} ({} of CPU time)", format_duration(*f.seconds), format_duration(f.cpu_seconds.value_or(0)));
+    const auto duration = [](double seconds) { return seconds < 0.1 ? "less than 0.1s" : "about " + format_duration(seconds); };
+    if (f.seconds) text += fmt::format(", {} ({} of CPU time)", duration(*f.seconds), duration(f.cpu_seconds.value_or(0)));
     text += fmt::format("; {} of memory", format_size(std::min(f.memory, f.memory_for_all)));
     if (f.memory < f.memory_for_all)
         text += fmt::format(" (--memory; with {}, all records would fit)", format_size(f.memory_for_all));
@@ -39,6 +39,7 @@ std::string to_json(const Forecast& f) {
                            {"crop", {f.crop.x0, f.crop.y0, f.crop.x1, f.crop.y1}},
                            {"expected_bytes", f.file_bytes},
                            {"expected_temporary_bytes", f.temporary_bytes},
+                           {"expected_memory_bytes", std::min(f.memory, f.memory_for_all)},
                            {"memory", f.memory},
                            {"memory_for_all_records", f.memory_for_all},
                            {"fits", f.fits()}};
@@ -137,7 +138,7 @@ PixelRect piece_of(const TrialPicture& picture, double pixels) {
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, double segments, const PictureTrial& trial) {
     constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.3;
     constexpr double kDecodeEnough = 0.1;  // of what a piece decodes at least
-    constexpr double kFewPixels = 1 << 16;
+    constexpr double kFewPixels = 1 << 15;
     constexpr double kSegmentSeconds = 0.09e-6;  // for what lies anywhere in memory; measured
     TrialOutcome last;
     const auto runs = static_cast<double>(picture.runs);

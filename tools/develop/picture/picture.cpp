@@ -524,6 +524,7 @@ Result<Forecast> forecast_one(const PictureOptions& given, std::uint32_t picture
     Result<PlannedWork> work = PlannedWork{};
     Threads(asked.threads).run([&] { work = planned_work(wanted, whole->channels, whole->settings); });
     if (!work) return work.error();
+    forecast.memory_for_all += static_cast<std::uint64_t>(work->segment_bytes);
     const Cost prepared = preparing.so_far();
 
     const PictureTrial trial = [&](const TrialPicture& picture) -> Result<TrialOutcome> {
