@@ -375,10 +375,10 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
     for (const auto& [name, value] : {std::pair("f0", 0.04f), {"f90", 1.0f}, {"roughness", 0.5f}, {"metallic", 0.0f}})
         EXPECT_FLOAT_EQ(plastic.number(name).value, value) << name;
     EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").number("metallic").value, 1);
-    const MaterialDescription glass = material("d 0.1\nNi 1.33\n");
+    const MaterialDescription glass = material("illum 7\nNi 1.33\n");
     EXPECT_EQ(glass.type, "dielectric");
     EXPECT_NEAR(glass.spectra.at("eta").value(550), 1.33, 1e-12);
-    EXPECT_EQ(material("Tr 0.9\n").type, "dielectric");
+    EXPECT_EQ(material("Tr 0.9\n").type, "diffuse");
     EXPECT_FLOAT_EQ(material("Pr 0.5\nPm 0.25\n").number("metallic").value, 0.25f);
     testing::write_exr(folder_ / "rust.exr", 1, 1, {0.5f, 0.25f, 0.125f});
     EXPECT_TRUE(material("illum 3\nPm 1\nmap_Kd rust.exr\n").spectra.at("base_color").is_textured());

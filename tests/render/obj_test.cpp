@@ -118,7 +118,7 @@ TEST_F(Obj, PolygonsOfAnySizeAreCutIntoTriangles) {
 
 TEST_F(Obj, AnIndexOfZeroIsThatOfAnOpaqueMaterial) {
     EXPECT_EQ(material("Kd .5 .5 .5\nPr .5\nNi 0\n").number("f0").value, material("Kd .5 .5 .5\nPr .5\n").number("f0").value);
-    EXPECT_EQ(material("d 0.1\nNi 0\n").spectra.at("eta").value(500), 1.5);
+    EXPECT_EQ(material("illum 7\nNi 0\n").spectra.at("eta").value(500), 1.5);
 }
 
 TEST_F(Obj, IllumIsGlassOrAMirrorOnlyWhereTheColoursAgree) {
@@ -136,6 +136,11 @@ TEST_F(Obj, IllumIsGlassOrAMirrorOnlyWhereTheColoursAgree) {
     EXPECT_EQ(metallic("illum 2\nKd 0 0 0\nKs .5 .5 .5\nNs 250\n"), 0);
     EXPECT_EQ(metallic("illum 2\nKd .2 .2 .2\nKs .9 .9 .9\n"), 0);
     EXPECT_NEAR(material("illum 4\nTf .25 .25 .25\n").spectra.at("transmittance").value(500), 0.25, 1e-3);
+    // Without Tf, the hue of Kd, which need not be as dark.
+    EXPECT_TRUE(material("illum 4\nKd .5 .5 .5\n").spectra.count("transmittance") == 0);
+    const MaterialDescription green = material("illum 4\nKd 0 .25 0\n");
+    EXPECT_GT(green.spectra.at("transmittance").value(530), 0.9);
+    EXPECT_LT(green.spectra.at("transmittance").value(650), 0.1);
 }
 
 TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {
@@ -203,22 +208,23 @@ TEST_F(Obj, TheOpacityOfIllum9IsThatOfItsSurface) {
     EXPECT_EQ(material("illum 9\n").type, "dielectric");
 }
 
-// An uncompressed TGA of one row, white with these alphas.
-std::string white_tga(const std::vector<int>& alphas) {
+// An uncompressed TGA of one row with these alphas; it is white unless greys are given.
+std::string tga(const std::vector<int>& alphas, const std::vector<int>& greys = {}) {
     std::string out(18, '\0');
     out[2] = 2;
     out[12] = static_cast<char>(alphas.size());
     out[14] = 1;
     out[16] = 32;
     out[17] = 8;
-    for (const int alpha : alphas) out += std::string(3, '\xFF') + static_cast<char>(alpha);
+    for (std::size_t i = 0; i < alphas.size(); ++i)
+        out += std::string(3, static_cast<char>(greys.empty() ? 255 : greys[i])) + static_cast<char>(alphas[i]);
     return out;
 }
 
 TEST_F(Obj, TheAlphaOfAPictureIsTheOpacityWhereNoMapSaysIt) {
-    folder_.write("leaf.tga", white_tga({255, 0, 128}));
-    folder_.write("unused.tga", white_tga({0, 0, 0}));
-    folder_.write("full.tga", white_tga({255, 255}));
+    folder_.write("leaf.tga", tga({255, 0, 128}));
+    folder_.write("unused.tga", tga({0, 0, 0}));
+    folder_.write("full.tga", tga({255, 255}));
     const std::string faces = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
     const auto scene = [&](const std::string& mtl) {
         folder_.write("m.mtl", "newmtl m\n" + mtl);
@@ -233,6 +239,11 @@ TEST_F(Obj, TheAlphaOfAPictureIsTheOpacityWhereNoMapSaysIt) {
     const LoadedScene mapped = scene("map_Kd leaf.tga\nmap_d full.tga\n");
     EXPECT_THAT(mapped.notes, IsEmpty());
     EXPECT_THAT(mapped.description.textures.at(mapped.description.shapes.at(0).alpha.texture).picture.path, HasSubstr("full.tga"));
+    // A gloss in the alpha: where it is 0, the picture goes on.
+    folder_.write("gloss.tga", tga({255, 0, 0, 128}, {80, 90, 140, 60}));
+    const LoadedScene gloss = scene("map_Kd gloss.tga\n");
+    EXPECT_FALSE(gloss.description.shapes.at(0).alpha.is_textured());
+    EXPECT_THAT(gloss.notes, ElementsAre(HasSubstr("the alpha of its map_Kd hides what looks like a picture, and is ignored")));
     for (const char* opaque : {"map_Kd unused.tga\n", "map_Kd full.tga\n"})
         EXPECT_FALSE(scene(opaque).description.shapes.at(0).alpha.is_textured()) << opaque;
 }
@@ -306,14 +317,14 @@ TEST_F(Obj, FilesThatAreSomethingElseAreNotQuoted) {
             << text;
     };
     expect_silence("m.obj", "mtllib secret\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
-    for (const char* directive :
-         {"Include \"secret\"", "WorldBegin\nInclude \"secret\"", "WorldBegin\nImport \"secret\"",
-          "WorldBegin\nShape \"plymesh\" \"string filename\" \"secret\"",
-          "WorldBegin\nMaterial \"diffuse\" \"spectrum reflectance\" \"secret\"\nShape \"sphere\"",
-          "WorldBegin\nMaterial \"measured\" \"string filename\" \"secret\"\nShape \"sphere\"",
-          "WorldBegin\nLightSource \"infinite\" \"string filename\" \"secret\"",
-          "WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string filename\" \"secret\"\nMediumInterface \"m\" "
-          "\"m\"\nShape \"sphere\""})
+    for (
+        const char* directive :
+        {"Include \"secret\"", "WorldBegin\nInclude \"secret\"", "WorldBegin\nImport \"secret\"",
+         "WorldBegin\nShape \"plymesh\" \"string filename\" \"secret\"",
+         "WorldBegin\nMaterial \"diffuse\" \"spectrum reflectance\" \"secret\"\nShape \"sphere\"",
+         "WorldBegin\nMaterial \"measured\" \"string filename\" \"secret\"\nShape \"sphere\"",
+         "WorldBegin\nLightSource \"infinite\" \"string filename\" \"secret\"",
+         R"(WorldBegin MakeNamedMedium "m" "string type" "nanovdb" "string filename" "secret" MediumInterface "m" "m" Shape "sphere")"})
         expect_silence("m.pbrt", directive);
     expect_silence("m.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 9999, "uri": "secret"}]})");
 }

@@ -98,18 +98,34 @@ Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std:
     return out;
 }
 
-Result<bool> has_opacity(const std::filesystem::path& path, const std::string& in_messages) {
+Result<AlphaUse> alpha_use(const std::filesystem::path& path, const std::string& in_messages) {
+    constexpr image::PictureEncoding kAsStored{.is_srgb = false};
     const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(std::uint64_t{1} << 30);
     if (!pictures) return pictures.error().at(in_messages);
-    const Result<image::PictureInfo> info = (*pictures)->open(path.string(), in_messages, {});
+    const Result<image::PictureInfo> info = (*pictures)->open(path.string(), in_messages, kAsStored);
     if (!info) return info.error();
-    if (info->is_opaque) return false;
-    const Result<image::WholePicture> whole = (*pictures)->read(path.string(), in_messages, {});
+    if (info->is_opaque) return AlphaUse::kUnused;
+    const Result<image::WholePicture> whole = (*pictures)->read(path.string(), in_messages, kAsStored);
     if (!whole) return whole.error();
-    for (std::size_t i = 3; i < whole->values.size(); i += info->channels) {
-        if (whole->values[i] > 0) return true;
+    constexpr double kPlain = 8.0 / 255;  // standard deviation of encoded values
+    std::array<double, 3> sum{}, squares{};
+    double hidden = 0;
+    bool is_seen = false;
+    for (std::size_t i = 0; i + 3 < whole->values.size(); i += info->channels) {
+        is_seen = is_seen || whole->values[i + 3] > 0;
+        if (whole->values[i + 3] > 0) continue;
+        ++hidden;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto value = static_cast<double>(whole->values[i + c]);
+            sum[c] += value, squares[c] += value * value;
+        }
     }
-    return false;
+    if (!is_seen) return AlphaUse::kUnused;
+    for (std::size_t c = 0; c < 3 && hidden > 0; ++c) {
+        const double mean = sum[c] / hidden;
+        if (squares[c] / hidden - mean * mean > kPlain * kPlain) return AlphaUse::kOther;
+    }
+    return AlphaUse::kOpacity;
 }
 
 double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor) {

@@ -1,6 +1,7 @@
 // render/load/files/pictures.h: whole pictures of lights, as linear sRGB.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -16,9 +17,12 @@ struct LoadedPicture {
 // Integers are encoded as sRGB. Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported.
 Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std::string& in_messages);
 
-// Whether a picture of a texture says by its alpha how much of a surface is there: alpha is not 1 everywhere, and not 0 everywhere,
-// as programs write it that do not use it. Errors: those of read_picture.
-Result<bool> has_opacity(const std::filesystem::path& path, const std::string& in_messages);
+// What the alpha of a picture of colours is: how much of a surface is there, or something else, such as its gloss. Then it is 0
+// where the colours go on as a picture; what is meant to be hidden is plain. `kUnused`: 1 everywhere, or 0 everywhere, as programs
+// write it that do not use it.
+enum class AlphaUse : std::uint8_t { kUnused, kOpacity, kOther };
+// Errors: those of read_picture.
+Result<AlphaUse> alpha_use(const std::filesystem::path& path, const std::string& in_messages);
 
 // The mean luminance of the picture times a factor for each of R, G and B.
 double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor = {1, 1, 1});

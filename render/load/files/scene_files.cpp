@@ -142,11 +142,11 @@ Result<Hash128> SceneFiles::hash(const std::string& name) {
     return known != hashes_.end() ? known->second : hashes_.emplace(path, hash_of(path)).first->second;
 }
 
-Result<bool> SceneFiles::has_opacity(const std::string& name) {
+Result<AlphaUse> SceneFiles::alpha_use(const std::string& name) {
     const std::filesystem::path path = resolve(name);
-    const auto known = opacities_.find(path);
-    return known != opacities_.end() ? known->second
-                                     : opacities_.emplace(path, latent::render::has_opacity(path, path.string())).first->second;
+    const auto known = alphas_.find(path);
+    return known != alphas_.end() ? known->second
+                                  : alphas_.emplace(path, latent::render::alpha_use(path, path.string())).first->second;
 }
 
 }  // namespace latent::render

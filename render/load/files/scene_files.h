@@ -13,6 +13,8 @@
 
 namespace latent::render {
 
+enum class AlphaUse : std::uint8_t;
+
 class SceneFiles {
  public:
     // Names in a scene are relative to the folder of its first file.
@@ -33,14 +35,14 @@ class SceneFiles {
     Result<std::string> include(const std::filesystem::path& path);
     // The hash of a file that stays on disk. It is read once, however often the scene names it.
     Result<Hash128> hash(const std::string& name);
-    // has_opacity of pictures.h, of a picture that is looked at once.
-    Result<bool> has_opacity(const std::string& name);
+    // alpha_use of pictures.h, of a picture that is looked at once.
+    Result<AlphaUse> alpha_use(const std::string& name);
 
  private:
     std::filesystem::path folder_;
     std::set<std::filesystem::path> included_;
     std::map<std::filesystem::path, Result<Hash128>> hashes_;
-    std::map<std::filesystem::path, Result<bool>> opacities_;
+    std::map<std::filesystem::path, Result<AlphaUse>> alphas_;
     mutable std::map<std::string, std::filesystem::path> other_names_;  // by the name in the scene
     std::uint64_t distinct_bytes_ = 0, included_bytes_ = 0;             // in these files; in all inclusions
 };

@@ -89,12 +89,12 @@ std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name,
         s.warn(fmt::format("{}: {}: cannot be opened; the material is without it", s.keyword(), name.substr(0, 200)));
         return std::nullopt;
     }
-    const Result<bool> has_opacity = files.has_opacity(*file);
-    if (!has_opacity) {
-        s.warn(fmt::format("{}: {}; the material is without it", s.keyword(), has_opacity.error().message));
+    const Result<AlphaUse> alpha = files.alpha_use(*file);
+    if (!alpha) {
+        s.warn(fmt::format("{}: {}; the material is without it", s.keyword(), alpha.error().message));
         return std::nullopt;
     }
-    out.has_opacity = *has_opacity;
+    out.alpha = *alpha;
     out.texture.mapping.s = {scale[0], 0};
     out.texture.mapping.t = {0, scale[1]};
     out.texture.mapping.delta_u = offset[0];

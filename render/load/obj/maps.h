@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "render/load/files/pictures.h"
 #include "render/load/files/scene_files.h"
 #include "render/load/model/values.h"
 #include "render/load/obj/statements.h"
@@ -13,7 +14,7 @@ struct MtlMap {
     TextureDescription texture{};                    // of kind kImage
     PictureChannel channel = PictureChannel::kMean;  // -imfchan: of a number
     double strength = 1;                             // -bm: of a bump or normal map
-    bool has_opacity = false;                        // of the picture (files/pictures.h)
+    AlphaUse alpha = AlphaUse::kUnused;              // of the picture
 };
 
 // "map_Kd -s 2 2 1 -clamp on wood 1.png". The file is looked for in the folder of the MTL file, in that of the OBJ file, and in

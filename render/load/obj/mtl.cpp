@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "render/load/files/pictures.h"
 #include "render/load/files/unread.h"
@@ -18,7 +19,8 @@ namespace {
 struct Block {
     std::string place, name;
     std::optional<LinearRgb> kd{}, ke{};
-    LinearRgb ks{0, 0, 0}, tf{1, 1, 1};
+    LinearRgb ks{0, 0, 0};
+    std::optional<LinearRgb> tf{};
     double ns = 20, ni = 1.5, opacity = 1;
     int illum = 2;
     std::optional<double> roughness{}, metallic{}, sheen{};
@@ -89,8 +91,13 @@ bool is_metal(const Block& b, const LinearRgb& kd) {
 // and its d says how much of it is seen.
 bool is_glass(const Block& b) {
     if (b.ni == 1 || b.maps.contains("map_Kd") || b.maps.contains("map_d")) return false;
-    const bool refracts = b.illum == 4 || b.illum == 6 || b.illum == 7 || (b.illum == 9 && b.opacity == 1);
-    return refracts || (b.opacity > 0 && b.opacity < 0.5);
+    return b.illum == 4 || b.illum == 6 || b.illum == 7 || (b.illum == 9 && b.opacity == 1);
+}
+// Tf, or the hue of Kd.
+LinearRgb tint_of_glass(const Block& b) {
+    if (b.tf) return *b.tf;
+    const double most = b.kd ? std::ranges::max(*b.kd) : 0;
+    return most > 0 ? LinearRgb{(*b.kd)[0] / most, (*b.kd)[1] / most, (*b.kd)[2] / most} : LinearRgb{1, 1, 1};
 }
 
 // Of facets, as Blender and assimp read Ns, and as Blender writes it.
@@ -137,10 +144,14 @@ class Describer {
                 "d 0", b.place, fmt::format("{}: d is 0 (or Tr is 1), which would hide all of it; it is opaque", b.name));
         const double opacity = b.opacity == 0 ? 1 : b.opacity;
         const auto color = b.maps.find("map_Kd");
-        if (b.maps.contains("map_d") || color == b.maps.end() || !color->second.has_opacity)
-            return values_.number(b.picture("map_d"), b.channel("map_d"), opacity);
-        target_.diagnostics.note_of_kind("map_Kd", b.place,
-                                         fmt::format("{}: has no map_d; the alpha of its map_Kd is its opacity", b.name));
+        const bool has_alpha = !b.maps.contains("map_d") && color != b.maps.end() && color->second.alpha != AlphaUse::kUnused;
+        const bool is_opacity = has_alpha && color->second.alpha == AlphaUse::kOpacity;
+        if (has_alpha)
+            target_.diagnostics.note_of_kind(
+                is_opacity ? "alpha of map_Kd" : "other alpha of map_Kd", b.place,
+                fmt::format("{}: has no map_d; the alpha of its map_Kd {}", b.name,
+                            is_opacity ? "is its opacity" : "hides what looks like a picture, and is ignored"));
+        if (!is_opacity) return values_.number(b.picture("map_d"), b.channel("map_d"), opacity);
         return values_.number(color->second.texture, PictureChannel::kAlpha, opacity);
     }
 
@@ -156,7 +167,8 @@ class Describer {
         if (is_glass(b)) {
             surface.type = "dielectric";
             surface.spectra = {{"eta", color::Spectrum::constant(b.ni)}};
-            if (b.tf != LinearRgb{1, 1, 1}) surface.spectra["transmittance"] = target_.colors.reflectance(b.tf);
+            const LinearRgb tint = tint_of_glass(b);
+            if (tint != LinearRgb{1, 1, 1}) surface.spectra["transmittance"] = target_.colors.reflectance(tint);
             return;
         }
         const bool has_pbr = b.roughness || b.metallic || b.maps.contains("map_Pr") || b.maps.contains("map_Pm");

@@ -135,21 +135,19 @@ struct Loader::Filling {
 Result<RecordBatch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory,
                                  bool counting) {
     const std::uint64_t room = memory.size() - index_bytes(cells);
-    std::uint64_t rows = 0, pieces = 0, bytes = 0;
+    std::uint64_t pieces = 0, bytes = 0;
     std::size_t taken = 0;
     for (; taken < pages.size(); ++taken) {
         const sampledb::PageInfo& page = pages[taken].info;
         const std::uint64_t more = bytes_at_most(page, cells);
         if (bytes + more > room) break;
         bytes += more;
-        rows += page.record_count;
         pieces += pieces_at_most(page, cells);
     }
     assert(taken > 0 || pages.empty());
 
     // Rows come first; pieces lie at the end, out of the way of the segments that are made from them.
     std::span<std::byte> free = memory.first(memory.size() - pieces * sizeof(SlotRows) / kAlignment * kAlignment - kAlignment);
-    assert(SegmentColumns::bytes(rows, stride_) <= free.size());
     Filling filling{cells, counting, free.data(), reinterpret_cast<SlotRows*>(free.data() + free.size())};
     std::vector<std::span<const SlotRows>> kept(taken);
     if (Status s = load_pages(pages.first(taken), filling, kept); !s) return s.error();
