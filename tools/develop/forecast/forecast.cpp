@@ -137,7 +137,7 @@ PixelRect piece_of(const TrialPicture& picture, double pixels) {
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, double segments, const PictureTrial& trial) {
     constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.3;
-    constexpr double kDecodeEnough = 0.1;  // of what a piece decodes at least
+    constexpr double kDecodeEnough = 0.06;  // of what a piece decodes at least
     constexpr double kFewPixels = 1 << 15;
     constexpr double kSegmentSeconds = 0.09e-6;  // for what lies anywhere in memory; measured
     TrialOutcome last;
@@ -160,7 +160,8 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, do
     const Result<LinearCost> decoding = measure(kDecodeSeconds, 1, runs, kDecodeEnough, decode);
     if (!decoding) return decoding.error();
     const Cost once = at_least(first->cost - decoding->of(1), {});  // done once in a process
-    Cost byte = decoding->each * (1 / std::max(decoded_for_one, 1.0));
+    // Of one run, nothing tells decoding from other work: all is taken as drawing.
+    Cost byte = runs > 1 ? decoding->each * (1 / std::max(decoded_for_one, 1.0)) : Cost{};
 
     // Pieces of a smaller picture, from so many runs that these give each pixel as many bytes as all give it in the end: emptier
     // pixels would compress faster, and fuller ones take longer. As many runs as possible, though: records of a cell that come from
@@ -168,19 +169,18 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, do
     const double affordable = std::clamp(std::floor(kDecodeEnough / std::max(decoding->each.cpu, 1e-12)), 1.0, runs);
     TrialPicture part = scaled_to(picture, pixels_in_all * affordable / runs);
     part.runs = static_cast<std::size_t>(affordable);
-    double tried_pixels = 0, times = 1;
+    double times = 1;  // so many of the last piece draw what the picture does
     const Trial develop = [&](double amount) -> Result<Tried> {
         TrialPicture piece = part;
         piece.crop = piece_of(part, amount);
         const Result<TrialOutcome> tried = trial(piece);
         if (!tried) return tried.error();
         last = *tried;
-        tried_pixels = area(piece.crop);
         times = drawn_runs(picture) / drawn_runs(piece);
         // One pixel of few runs is mostly other work than decoding.
         byte = at_most(byte, tried->cost * (1 / std::max(static_cast<double>(tried->decoded), 1.0)));
         const Cost known = decoding->fixed + byte * static_cast<double>(tried->decoded);
-        return Tried{tried_pixels, tried->cost, known};
+        return Tried{pixels_in_all / times, tried->cost, known};
     };
     // A page's part of the film is the least that draws what it must decode.
     const double page_pixels = decoded_for_one * runs / std::max(decoded, 1.0) * area(part.crop);
@@ -190,8 +190,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, do
     const double more_segments = std::max(0.0, segments - static_cast<double>(last.segments) * times);
     const double seeking = kSegmentSeconds * more_segments;
     TrialOutcome out;
-    out.cost =
-        once + decoding->fixed + pixels->fixed + pixels->each * (tried_pixels * times) + byte * decoded + Cost{seeking, seeking};
+    out.cost = once + decoding->fixed + pixels->of(pixels_in_all) + byte * decoded + Cost{seeking, seeking};
     out.decoded = static_cast<std::uint64_t>(decoded);
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
