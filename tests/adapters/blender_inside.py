@@ -138,6 +138,26 @@ render()
 check("and can be baked", engine.last["lost"] == [] and np.ptp(picture()) > 2 * np.ptp(before), engine.last["lost"], np.ptp(before), np.ptp(picture()))
 tree.nodes.remove(noise)
 
+# What is muted and passes nothing on leaves the default of the input that it feeds; a group without an end gives zero.
+hollow, empty = bpy.data.node_groups.new("hollow", "ShaderNodeTree"), tree.nodes.new("ShaderNodeGroup")
+if hasattr(hollow, "interface"):
+    hollow.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+else:
+    hollow.outputs.new("NodeSocketColor", "Color")
+empty.node_tree = hollow
+for muted, target, light in ((tree.nodes.new("ShaderNodeTexImage"), matt.inputs["Color"], expected), (empty, matt.inputs["Color"], expected), (matt, None, 0 * expected)):
+    link = target and tree.links.new(muted.outputs[0], target)
+    muted.mute = True
+    render()
+    check(f"a muted {muted.bl_label} gives the default", np.allclose(picture().mean((0, 1)), light, rtol=5e-3, atol=2e-3) and engine.last["lost"] == [], picture().mean((0, 1)), light, engine.last["lost"])
+    muted.mute = False
+    if link:
+        tree.links.remove(link)
+link = tree.links.new(empty.outputs[0], matt.inputs["Color"])
+render()
+check("a group without an end is black", picture().max() < 3e-3 and engine.last["lost"] == [], picture().max(), engine.last["lost"])
+tree.links.remove(link)
+
 # What a camera ray alone would see is listed, and the rest lights the scene.
 world_tree = world.node_tree
 mixed, path, dark = (world_tree.nodes.new(f"ShaderNode{name}") for name in ("MixShader", "LightPath", "Background"))

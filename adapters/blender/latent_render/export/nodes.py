@@ -86,11 +86,12 @@ class Graph:
             elif node.mute:
                 passed = [inner for inner in node.internal_links if inner.to_socket == output]
                 if not passed:
-                    return None
+                    break
                 socket = passed[0].from_socket
             elif node.type == "GROUP" and node.node_tree:
                 ends = [end for end in node.node_tree.nodes if end.type == "GROUP_OUTPUT" and end.is_active_output]
-                if not ends:
+                if not ends:  # zero
+                    self.unlinked = None
                     return None
                 self.groups = [*self.groups, node]
                 socket = next(inner for inner in ends[0].inputs if inner.identifier == output.identifier)
