@@ -266,6 +266,22 @@ radiance = 20 / (4 * np.pi**2 * 0.3**2)
 check("a lamp is in the picture if its Ray Visibility says so", without < 2 and np.isclose(picture()[15, 20, 1], radiance, rtol=5e-3), without, picture()[15, 20], radiance)
 bpy.data.objects.remove(bulb)
 
+# A mirrored lamp shines where it did, also under a mirrored parent. The sky alone gives 0.05.
+bpy.ops.object.empty_add()
+mirror, sun.hide_render = bpy.context.object, True
+for kind in ("SUN", "SPOT", "AREA"):
+    bpy.ops.object.light_add(type=kind, location=(0, 0, 2))
+    lamp = bpy.context.object
+    lamp.visible_camera, lamp.data.energy, seen = False, 100, []
+    for own, outer in ((1, 1), (-1, 1), (1, -1)):
+        lamp.scale, mirror.scale, lamp.parent = (own, 1, 1), (1, outer, 1), mirror
+        render()
+        seen.append(picture().mean((0, 1)))
+    check(f"a mirrored lamp shines as before ({kind})", np.allclose(seen[1:], seen[0], rtol=0.02) and seen[0][0] > 0.08, seen)
+    bpy.data.objects.remove(lamp)
+bpy.data.objects.remove(mirror)
+sun.hide_render = False
+
 # A sky of few texels is smooth, as in Cycles.
 texels = bpy.data.images.new("sky", 8, 4, float_buffer=True)
 values = np.ones((4, 8, 4), np.float32)

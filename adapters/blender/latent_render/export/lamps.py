@@ -106,8 +106,8 @@ class Lamp:
 
 
 def at(pose):
-    """Without a scale, which lamps ignore but for areas and the cones of spots."""
-    return Matrix.LocRotScale(pose.translation, pose.to_quaternion(), None)
+    """Without a scale, which lamps ignore but for areas and the cones of spots. A mirrored pose stays so: its quaternion is that of its opposite."""
+    return Matrix.LocRotScale(pose.translation, pose.to_quaternion(), Vector((-1, -1, -1)) if pose.is_negative else None)
 
 
 def point(lamp, pose):
