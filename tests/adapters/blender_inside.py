@@ -269,15 +269,20 @@ bpy.data.objects.remove(bulb)
 # A mirrored lamp shines where it did, also under a mirrored parent. The sky alone gives 0.05.
 bpy.ops.object.empty_add()
 mirror, sun.hide_render = bpy.context.object, True
-for kind in ("SUN", "SPOT", "AREA"):
+for kind, extent, width, divisor in (("SUN", "angle", 0.5, np.pi * np.sin(0.25) ** 2), ("SPOT", "shadow_soft_size", 0.2, 4 * np.pi * 0.2**2), ("AREA", "size", 0.5, 0.5**2)):
     bpy.ops.object.light_add(type=kind, location=(0, 0, 2))
     lamp = bpy.context.object
     lamp.visible_camera, lamp.data.energy, seen = False, 100, []
+    setattr(lamp.data, extent, width)
     for own, outer in ((1, 1), (-1, 1), (1, -1)):
         lamp.scale, mirror.scale, lamp.parent = (own, 1, 1), (1, outer, 1), mirror
         render()
         seen.append(picture().mean((0, 1)))
     check(f"a mirrored lamp shines as before ({kind})", np.allclose(seen[1:], seen[0], rtol=0.02) and seen[0][0] > 0.08, seen)
+    if hasattr(lamp.data, "normalize"):
+        lamp.data.normalize, sky_alone = False, 0.5 * np.array([0.1, 0.2, 0.3])
+        render()
+        check(f"without Normalize, its power is not divided ({kind})", np.allclose(picture().mean((0, 1)) - sky_alone, divisor * (seen[2] - sky_alone), rtol=0.03), picture().mean((0, 1)), seen)
     bpy.data.objects.remove(lamp)
 bpy.data.objects.remove(mirror)
 sun.hide_render = False

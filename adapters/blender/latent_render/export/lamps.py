@@ -21,6 +21,8 @@ def group(settings, owner):
 def strength(lamp, lost):
     """The colour of a lamp: its own times that of its nodes; and the profile of an IES texture, or None."""
     tint, factor = lamp.temperature_color if getattr(lamp, "use_temperature", False) else (1, 1, 1), 2.0 ** getattr(lamp, "exposure", 0.0)
+    if lamp.type != "AREA" and not getattr(lamp, "normalize", True):
+        factor *= divisor(lamp)
     color = [factor * c * t for c, t in zip(lamp.color, tint)]
     if not lamp.use_nodes or not lamp.node_tree:
         return color, None
@@ -38,6 +40,11 @@ def strength(lamp, lost):
         lost("a texture of its nodes is ignored")
         return color, None
     return [c * n * values[1].number() for c, n in zip(color, values[0].rgb)], profile
+
+
+def divisor(lamp):
+    """What divides the power of a ball or a sun, unless Normalize (since Blender 4.5) is off."""
+    return math.pi * math.sin(lamp.angle / 2) ** 2 or 1.0 if lamp.type == "SUN" else 4 * math.pi * lamp.shadow_soft_size**2 or 4.0
 
 
 def read_profile(graph, node, lost):
@@ -167,7 +174,7 @@ def area(lamp, pose):
     if surface <= 0:
         lamp.lost("an area of no size is left out")
         return []
-    radiance, more = data.energy / (AREA_FACTOR * surface), {}
+    radiance, more = data.energy / (AREA_FACTOR * (surface if getattr(data, "normalize", True) else 1)), {}
     spread = getattr(data, "spread", math.pi)
     if spread < math.pi - 1e-3:
         lamp.lost("its spread is a power of the cosine of equal half-width")
