@@ -158,6 +158,16 @@ render()
 check("a group without an end is black", picture().max() < 3e-3 and engine.last["lost"] == [], picture().max(), engine.last["lost"])
 tree.links.remove(link)
 
+# A colour above 1 is 1, and is listed by the name of the material.
+for kind in ("BsdfDiffuse", "BsdfPrincipled", "BsdfGlossy", "BsdfGlass", "BsdfTransparent", "SubsurfaceScattering"):
+    bright = tree.nodes.new(f"ShaderNode{kind}")
+    bright.inputs[0].default_value = (1.5, 0.5, 0.5, 1)
+    tree.links.new(bright.outputs[0], output.inputs["Surface"])
+    render()
+    check(f"a colour above 1 is listed ({kind})", "material floor: a colour above 1 is 1" in engine.last["lost"], engine.last["lost"])
+    tree.nodes.remove(bright)
+tree.links.new(matt.outputs[0], output.inputs["Surface"])
+
 # What a camera ray alone would see is listed, and the rest lights the scene.
 world_tree = world.node_tree
 mixed, path, dark = (world_tree.nodes.new(f"ShaderNode{name}") for name in ("MixShader", "LightPath", "Background"))

@@ -54,7 +54,7 @@ class Reader:
         return read(self, node)
 
     def set(self, name, kind, value):
-        return parameter(self.document, name, kind, value)
+        return parameter(self.document, name, kind, value if kind == "float" else reflectance(value, self.graph.lost))
 
     # What is added to a material of any type.
     def stretched(self, node, along, across, turns):
@@ -99,6 +99,13 @@ class Reader:
 
 
 # ----- shaders
+
+
+def reflectance(value, lost):
+    if not is_constant(value) or max(value.rgb) <= 1:
+        return value
+    lost("a colour above 1 is 1")
+    return each(lambda c: min(1.0, c), value)
 
 
 def diffuse(reader, node):
@@ -150,7 +157,7 @@ def refraction(reader, node):
 
 
 def transparent(reader, node):
-    color = reader.graph.constant(node, "Color")
+    color = reflectance(reader.graph.constant(node, "Color"), reader.graph.lost)
     if len(set(color.rgb)) > 1:
         reader.graph.lost("the colour of a Transparent BSDF is grey")
     return Surface(None, alpha=constant(1 - color.number()))
@@ -160,7 +167,7 @@ def subsurface(reader, node):
     """A solid that light wanders through. Cycles' has no surface of its own."""
     color, radius, scale = (reader.graph.constant(node, name) for name in ("Color", "Radius", "Scale"))
     reader.graph.lost("subsurface scattering lies below a surface of index 1.01")
-    return Surface(("subsurface", {"rgb reflectance": list(color.rgb), "rgb mfp": [max(1e-6, r * scale.number()) for r in radius.rgb], "float eta": 1.01}))
+    return Surface(("subsurface", {**reader.set("reflectance", "spectrum", color), "rgb mfp": [max(1e-6, r * scale.number()) for r in radius.rgb], "float eta": 1.01}))
 
 
 def hair(reader, node):
@@ -169,7 +176,7 @@ def hair(reader, node):
              "float alpha": math.degrees(reader.number(node, "Offset")), "float eta": reader.number(node, "IOR")}
     way = getattr(node, "parametrization", "COLOR")
     if way == "ABSORPTION":
-        pigment = reader.set("sigma_a", "spectrum", reader.value(node, "Absorption Coefficient"))
+        pigment = parameter(reader.document, "sigma_a", "spectrum", reader.value(node, "Absorption Coefficient"))
     elif way == "MELANIN":
         melanin, red = min(1.0, max(0.0, reader.number(node, "Melanin"))), min(1.0, max(0.0, reader.number(node, "Melanin Redness")))
         amount = -math.log(max(1 - melanin, 1e-4))
@@ -183,7 +190,7 @@ def principled(reader, node):
     """Inputs have other names since Blender 4.0."""
     graph, is_new = reader.graph, "Coat Weight" in node.inputs
     number = functools.partial(reader.number, node)
-    base, weight = reader.value(node, "Base Color"), number("Subsurface Weight", "Subsurface")
+    base, weight = reflectance(reader.value(node, "Base Color"), graph.lost), number("Subsurface Weight", "Subsurface")
     if weight > 0:
         graph.lost("the subsurface scattering of a Principled BSDF is matt")
     below = base if is_new or weight == 0 else mix(base, reader.value(node, "Subsurface Color"), constant(weight))
@@ -356,8 +363,8 @@ SHADERS = {
 def export(document, material, report, files, light_name):
     """What an object of this material (None: the default) is written with."""
     if material is None or not (getattr(material, "use_nodes", True) and material.node_tree):
-        color = list(material.diffuse_color)[:3] if material else [0.8, 0.8, 0.8]
-        name = document.material("diffuse", {"rgb reflectance": color})
+        color = Constant(tuple(material.diffuse_color)[:3]) if material else constant(0.8)
+        name = document.material("diffuse", {"rgb reflectance": list(reflectance(color, report.of(f"material {material and material.name}")).rgb)})
         return Exported([f'NamedMaterial "{name}"'], False, {}, Places())
     places = Places()
     graph = Graph(material.node_tree, report.of(f"material {material.name}"), places, files, material)
