@@ -182,13 +182,13 @@ TEST_F(PbrtV3, QuadricsThatV4LacksAreMeshes) {
 
 // Also where the first word of pbrt-v3 comes late, or in another file.
 TEST_F(PbrtV3, IsRecognisedByAnyOfItsWords) {
-    const std::string lamp = "LightSource \"distant\"\n", ball = "Shape \"sphere\"\n";
+    const std::string rest = "LightSource \"distant\"\nShape \"sphere\"\nWorldEnd";
     for (const std::string line : {"Film \"image\"\nWorldBegin\n", "WorldBegin\nMaterial \"matte\"\n",
                                    "WorldBegin\nMaterial \"diffuse\" \"color reflectance\" [ 1 0 0 ]\n",
                                    "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"plastic\"\n",
                                    "WorldBegin\nTexture \"t\" \"color\" \"constant\"\n", "WorldBegin\nInclude \"part.pbrt\"\n"}) {
         folder_.write("part.pbrt", "Shape \"disk\" \"point unused\" [ 0 0 0 ]\nMaterial \"mirror\"");
-        const Result<LoadedScene> scene = load_scene(folder_.write("room.pbrt", line + lamp + ball + "WorldEnd"));
+        const Result<LoadedScene> scene = load_scene(folder_.write("room.pbrt", line + rest));
         if (line.find("part") != line.npos) {
             ASSERT_FALSE(scene);
             EXPECT_THAT(scene.error().message, HasSubstr("part.pbrt:1:14: \"point3 unused\" of Shape \"disk\" is not supported"));
