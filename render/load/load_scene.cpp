@@ -80,9 +80,7 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_i
     if (!is_model && options != ModelOptions{})
         return usage_error(
             fmt::format("{}: --camera, --variant, --animation, --time, --shutter, --view, --up, --no-stage, --lens-radius, --focus "
-                        "and --sky are for glTF "
-                        "and OBJ; a pbrt "
-                        "scene says these itself",
+                        "and --sky are for glTF and OBJ; a pbrt scene says these itself",
                         path.string()));
     LoadedScene scene;
     std::vector<std::string> names;

@@ -134,7 +134,8 @@ class LatentEngine(bpy.types.RenderEngine):
     def fill(self, scene, layer, passes):
         render, (width, height) = scene.render, camera.size(scene)
         result = self.begin_result(0, 0, width, height, layer=layer)  # no larger than the region that Blender wants
-        left, low = (int(render.border_min_x * width), int(render.border_min_y * height)) if (result.resolution_x, result.resolution_y) != (width, height) else (0, 0)
+        is_region = (result.resolution_x, result.resolution_y) != (width, height)
+        left, low = (int(render.border_min_x * width), int(render.border_min_y * height)) if is_region else (0, 0)
         for target in result.layers[0].passes:  # of each view
             if target.name in passes:
                 shown = np.ascontiguousarray(passes[target.name][::-1][low : low + result.resolution_y, left : left + result.resolution_x], np.float32)

@@ -51,6 +51,20 @@ bool is_finite(const Affined& m) {
     return std::max({max_abs(m.x), max_abs(m.y), max_abs(m.z), max_abs(m.t)}) < static_cast<double>(kInfinity);
 }
 
+std::string name_of(const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; }
+
+// The first of `count` that is called what is wanted, or the one with that number from 1; the first of all if nothing is wanted.
+template <class IsCalled>
+std::optional<std::size_t> choose(std::size_t count, const std::string& wanted, const IsCalled& is_called) {
+    for (std::size_t i = 0; i < count; ++i) {
+        if (wanted.empty() || is_called(i)) return i;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (wanted == fmt::format("{}", i + 1)) return i;
+    }
+    return std::nullopt;
+}
+
 class GltfLoader {
  public:
     GltfLoader(const GltfDocument& document, const ModelColors& colors, const ModelOptions& options)
@@ -116,9 +130,8 @@ class GltfLoader {
         for (const std::uint32_t node : uneven_nodes(document_, animation_, opens, closes))
             root()["nodes"][node].warn_of_kind(
                 "uneven",
-                "is blurred along a straight line, and by less than half a turn, from where it is when the shutter opens to where "
-                "it "
-                "is when it closes; its own motion is another one, which a shorter --shutter comes nearer to");
+                "is blurred along a straight line and by less than half a turn while the shutter is open, but moves otherwise; a "
+                "shorter --shutter comes nearer to that");
     }
 
     // Entry i is /materials/i, the last one the default material.
@@ -179,15 +192,10 @@ class GltfLoader {
     void find_animation() {
         model_.animations = animation_names(document_);
         const GltfValue animations = root()["animations"];
-        for (std::size_t i = 0; i < animations.size() && !model_.has_animation; ++i) {
-            const GltfValue name = animations[i]["name"];
-            model_.has_animation = options_.animation.empty() || (name.is_text() && name.text() == options_.animation);
-            if (model_.has_animation) animation_ = i;
-        }
-        for (std::size_t i = 0; i < animations.size() && !model_.has_animation; ++i) {
-            model_.has_animation = options_.animation == fmt::format("{}", i + 1);
-            if (model_.has_animation) animation_ = i;
-        }
+        const auto is_called = [&](std::size_t i) { return name_of(animations[i]) == options_.animation; };
+        const std::optional<std::size_t> chosen = choose(animations.size(), options_.animation, is_called);
+        model_.has_animation = chosen.has_value();
+        animation_ = chosen.value_or(0);
     }
 
     void find_variant() {
@@ -392,17 +400,15 @@ class GltfLoader {
 
     // By its name or its node's, else by its number in the scene, from 1.
     void choose_camera() {
-        std::optional<std::size_t> chosen;
         for (std::size_t i = 0; i < cameras_.size(); ++i) {
-            const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
             const std::string of_node = name_of(cameras_[i].node), of_camera = name_of(cameras_[i].camera);
             model_.cameras.push_back(fmt::format("{} {}", i + 1, of_node.empty() ? of_camera : of_node));
             if (of_camera.empty() && of_node.empty()) model_.cameras.back().pop_back();
-            if (!chosen && (options_.camera.empty() || of_node == options_.camera || of_camera == options_.camera)) chosen = i;
         }
-        for (std::size_t i = 0; i < cameras_.size(); ++i) {
-            if (!chosen && options_.camera == fmt::format("{}", i + 1)) chosen = i;
-        }
+        const auto is_called = [&](std::size_t i) {
+            return name_of(cameras_[i].node) == options_.camera || name_of(cameras_[i].camera) == options_.camera;
+        };
+        const std::optional<std::size_t> chosen = choose(cameras_.size(), options_.camera, is_called);
         if (cameras_.size() > 1 && options_.camera.empty())
             root()["cameras"].note(
                 fmt::format("the first is used; --camera chooses another by number or name: {}", fmt::join(model_.cameras, ", ")));

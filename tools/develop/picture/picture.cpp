@@ -486,10 +486,6 @@ class TimedPicture final : public PictureSink {
     double writing_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 Result<Forecast> forecast_one(const PictureOptions& given, std::uint32_t pictures) {
     const CostMeter preparing;
     if (Status s = set_simd_level(given.simd); !s) return s.error();

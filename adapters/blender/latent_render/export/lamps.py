@@ -109,7 +109,8 @@ class Lamp:
 
     def has_no_size(self):
         if self.lamp.shadow_soft_size > 1e-6:
-            self.lost(f"its size is left out{', so the camera does not see it' * self.owner.visible_camera}: its shadows are sharp")
+            unseen = ", so the camera does not see it" if self.owner.visible_camera else ""
+            self.lost(f"its size is left out{unseen}: its shadows are sharp")
 
 
 def at(pose):
