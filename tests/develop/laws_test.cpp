@@ -258,14 +258,14 @@ TEST(Memory, HundredsOfPanesReadEveryPageOnceAndChangeNoBit) {
         const auto channels = Channels::xyz(job, nullptr);
         Settings settings = settings_for(width, height);
         Hash128 expected;
-        for (const std::uint64_t memory : {1024, 27}) {
+        for (const std::uint64_t memory : {1024, 28}) {
             settings.memory = memory * kMiB;
             HashSink sink;
             Threads(2).run([&] {
                 const Result<DevelopCounts> counts = develop(run_set, *channels, settings, sink);
                 ASSERT_TRUE(counts) << counts.error().message;
                 EXPECT_EQ(counts->pages_decoded, counts->pages);
-                EXPECT_TRUE(memory > 27 || counts->panes > 500) << counts->panes;
+                EXPECT_TRUE(memory > 28 || counts->panes > 500) << counts->panes;
             });
             if (memory == 1024) expected = sink.digest();
             EXPECT_EQ(sink.digest(), expected);

@@ -9,9 +9,11 @@
 #include <random>
 #include <string_view>
 
+#include "tests/color/simd_targets.h"
 #include "tests/develop/developed.h"
 #include "tests/faults/process.h"
 #include "tools/develop/lens/lens_columns.h"
+#include "tools/develop/lens/lens_rows.h"
 #include "tools/develop/lens/refocused.h"
 #include "tools/develop/picture/picture.h"
 
@@ -297,6 +299,59 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
         const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings, 2, nullptr, {}, lens);
         expect_near(developed, reference(job, moved, range.size(), settings), 4);
     }
+}
+
+// Even by more than the film's width, and with any number of rows.
+TEST(Focus, MovesRecordsAlikeOnAllProcessors) {
+    constexpr int kLevel = 3;
+    constexpr std::size_t kRows = 1003;
+    constexpr std::uint32_t kElsewhere = 4 * 5;
+    const AxisMove along_u{-0.11f, 2, 4}, along_v{1.7f, 1, 5};
+    std::mt19937 random(7);
+    std::vector<std::uint8_t> x(kRows), y(kRows);
+    std::vector<std::uint32_t> u(kRows), v(kRows);
+    for (std::size_t i = 0; i < kRows; ++i)
+        x[i] = static_cast<std::uint8_t>(random()), y[i] = static_cast<std::uint8_t>(random()),
+        u[i] = static_cast<std::uint32_t>(random()), v[i] = static_cast<std::uint32_t>(random());
+    std::vector<std::uint32_t> first_u, first_v;
+    color::with_every_simd_target([&] {
+        std::vector<std::uint32_t> to_u = u, to_v = v, cells(kRows);
+        move_positions(along_u, along_v, kLevel, x.data(), y.data(), to_u.data(), to_v.data(), cells);
+        std::size_t wanted = 0;
+        for (std::size_t i = 0; i < kRows; ++i) {
+            const double at_u = u[i] * 0x1p-32 + static_cast<double>(along_u.shift) * middle_of_cell(x[i]),
+                         at_v = v[i] * 0x1p-32 + static_cast<double>(along_v.shift) * middle_of_cell(y[i]);
+            const double cell_u = std::floor(at_u * (1 << kLevel)) - 2, cell_v = std::floor(at_v * (1 << kLevel)) - 1;
+            const bool is_wanted = cell_u >= 0 && cell_u < 4 && cell_v >= 0 && cell_v < 5;
+            ASSERT_EQ(cells[i], is_wanted ? static_cast<std::uint32_t>(cell_v * 4 + cell_u) : kElsewhere) << i;
+            if (!is_wanted) continue;
+            ++wanted;
+            ASSERT_NEAR(to_u[i] * 0x1p-32, at_u, 1e-7);
+            ASSERT_NEAR(to_v[i] * 0x1p-32, at_v, 1e-7);
+        }
+        EXPECT_GT(wanted, kRows / 20);
+        if (first_u.empty()) first_u = to_u, first_v = to_v;
+        EXPECT_EQ(to_u, first_u);
+        EXPECT_EQ(to_v, first_v);
+    });
+}
+
+TEST(Lens, WeighsRecordsAlikeOnAllProcessors) {
+    const Job job = job_with_lens();
+    const Records records = records_of(job, {0, 1003}, {.light_per_sample = 0});
+    sampledb::Page page;
+    page.count = records.size(), page.u = records.u, page.v = records.v, page.extra = records.extra;
+    const Result<LensWeights> weights =
+        LensWeights::make(job, choice("0.9,gaussian,cat-eye:0.3", "0.1:0.9,soft,rolling:0.2", true));
+    ASSERT_TRUE(weights);
+    LensWeights::Factors first;
+    color::with_every_simd_target([&] {
+        LensWeights::Factors factors;
+        weights->factors(page, 0, page.count, factors);
+        if (first.value.empty()) first = factors;
+        EXPECT_EQ(factors.value, first.value);
+        EXPECT_EQ(factors.share, first.share);
+    });
 }
 
 TEST(Focus, CountsRecordsThatAreNotFiniteWhereTheyAreMoved) {

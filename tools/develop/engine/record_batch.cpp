@@ -116,7 +116,7 @@ double Loader::expected_segments(const sampledb::PageInfo& page, const PixelRect
 
 std::uint64_t Loader::thread_bytes() const {
     if (!moves_records()) return 0;
-    return sampledb::max_page_records(run_set_.job()) * (sizeof(std::uint32_t) + stride_ * sizeof(float));
+    return sampledb::max_page_records(run_set_.job()) * sizeof(std::uint32_t);
 }
 
 std::uint64_t Loader::index_bytes(const PixelRect& cells) {
@@ -167,7 +167,7 @@ Result<RecordBatch> Loader::load(std::span<const PageRef>& pages, const PixelRec
     for (std::size_t i = 0; i < taken; ++i) {
         for (const SlotRows& piece : kept[i]) {
             segments[begin[piece.slot + 1]++] = {pages[i].order, filling.rows + SegmentColumns::bytes(piece.first, stride_),
-                                                 piece.count};
+                                                 piece.count, piece.room};
         }
     }
     memory = memory.subspan(static_cast<std::size_t>(free.data() - memory.data()));
@@ -239,22 +239,10 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
     const std::uint32_t elsewhere = moved.elsewhere();
     moved.cell.resize(page.count);
     moved.count.assign(elsewhere + 1, 0);
-    std::uint32_t* const u = page.u.data();
-    std::uint32_t* const v = page.v.data();
-    std::uint32_t* const its_cell = moved.cell.data();
+    channels_.lens()->move(page, grid_.level(), moved.wanted, moved.cell);
+    const std::uint32_t* const its_cell = moved.cell.data();
     std::uint32_t* const count = moved.count.data();
-    const LensWeights::Shifts shifts(*channels_.lens(), page);
-    const std::int64_t x0 = moved.wanted.x0, y0 = moved.wanted.y0;
-    const auto width = static_cast<std::uint64_t>(moved.wanted.width()), height = static_cast<std::uint64_t>(moved.wanted.height());
-    const int bits_in_cell = 32 - grid_.level();
-    for (std::size_t row = 0; row < page.count; ++row) {
-        const std::int64_t new_u = shifts.u(row, u[row]), new_v = shifts.v(row, v[row]);
-        u[row] = static_cast<std::uint32_t>(new_u), v[row] = static_cast<std::uint32_t>(new_v);
-        const auto x = static_cast<std::uint64_t>((new_u >> bits_in_cell) - x0);  // huge if it is to the left
-        const auto y = static_cast<std::uint64_t>((new_v >> bits_in_cell) - y0);
-        its_cell[row] = x < width && y < height ? static_cast<std::uint32_t>(y * width + x) : elsewhere;
-        ++count[its_cell[row]];
-    }
+    for (std::size_t row = 0; row < page.count; ++row) ++count[its_cell[row]];
     const auto its_x = [&](std::uint32_t cell) {
         return static_cast<std::uint32_t>(moved.wanted.x0 + cell % moved.wanted.width());
     };
@@ -269,36 +257,47 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
     }
 }
 
-// A counting sort, which keeps the order of rows within a cell. x and y are positions on the film.
+// A counting sort, which keeps the order of rows within a cell, without rows of zeros if there are many. x and y are positions on
+// the film. Returns how many of the rows have values that are not finite.
 template <std::size_t kStride>
-void Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const {
+std::uint64_t Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const {
+    constexpr std::size_t kAtOnce = 1024;  // rows whose values stay in the nearest cache
     const std::size_t stride = kStride > 0 ? kStride : stride_;
     const std::uint32_t elsewhere = moved.elsewhere();
-    const std::uint32_t* const u = page.u.data();
-    const std::uint32_t* const v = page.v.data();
-    const std::uint32_t* const cells = moved.cell.data();
-    const float* const from = moved.values.data();
-    moved.next.clear();
+    moved.columns.clear();
     for (std::uint32_t cell = 0; cell < elsewhere; ++cell) {
-        moved.next.push_back(SegmentColumns::at(memory, moved.count[cell]));
+        moved.columns.push_back(SegmentColumns::at(memory, moved.count[cell]));
         memory += SegmentColumns::bytes(moved.count[cell], stride);
     }
-    SegmentColumns* const next = moved.next.data();
-    for (std::size_t row = 0; row < page.count; ++row) {
-        const std::uint32_t cell = cells[row];
-        if (cell == elsewhere) continue;
-        SegmentColumns& to = next[cell];
-        *to.x++ = u[row], *to.y++ = v[row];
-        std::copy_n(from + row * stride, stride, to.values);
-        to.values += stride;
+    moved.values.resize(kAtOnce * stride);
+    const std::uint32_t *const u = page.u.data(), *const v = page.v.data();
+    moved.kept.assign(elsewhere, 0);
+    const std::uint32_t* const cells = moved.cell.data();
+    std::uint32_t* const kept = moved.kept.data();
+    const SegmentColumns* const columns = moved.columns.data();
+    const bool drops_zeros = channels_.lens()->leaves_records_out();
+    std::uint64_t not_finite = 0;
+    for (std::size_t begin = 0; begin < page.count; begin += kAtOnce) {
+        const std::size_t end = std::min(begin + kAtOnce, page.count);
+        if (channels_.values(page, begin, end, moved.values.data()) > 0) not_finite += not_finite_of(page, moved, begin, end);
+        const float* from = moved.values.data();
+        for (std::size_t row = begin; row < end; ++row, from += stride) {
+            if (cells[row] == elsewhere) continue;
+            const SegmentColumns& to = columns[cells[row]];
+            const std::size_t place = kept[cells[row]];
+            to.x[place] = u[row], to.y[place] = v[row];
+            std::copy_n(from, stride, to.values + place * stride);
+            kept[cells[row]] += drops_zeros && is_zero<kStride>(from, stride) ? 0 : 1;
+        }
     }
+    return not_finite;
 }
 
 // Counts the wanted rows; others count where they are.
-std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows& moved) const {
+std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows& moved, std::size_t begin, std::size_t end) const {
     std::vector<float> values(stride_);
     std::uint64_t count = 0;
-    for (std::size_t row = 0; row < page.count; ++row) {
+    for (std::size_t row = begin; row < end; ++row) {
         if (moved.cell[row] != moved.elsewhere()) count += channels_.values(page, row, row + 1, values.data());
     }
     return count;
@@ -311,9 +310,9 @@ void Loader::count_not_finite(std::uint64_t count, const sampledb::Page& page, c
 
 // Rows of zeros, which add nothing to any sum. Returns how many rows are left.
 template <std::size_t kStride>
-std::uint32_t Loader::drop_zeros(std::byte* memory, std::uint32_t count) const {
+std::uint32_t Loader::drop_zeros(const SegmentColumns& columns, std::uint32_t count) const {
     const std::size_t stride = kStride > 0 ? kStride : stride_;
-    const auto [x, y, values] = SegmentColumns::at(memory, count);
+    const auto [x, y, values] = columns;
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < count; ++i) {  // without a branch, which would be mispredicted where every second row is left out
         const float* const row = values + i * stride;
@@ -322,9 +321,6 @@ std::uint32_t Loader::drop_zeros(std::byte* memory, std::uint32_t count) const {
         std::copy_n(row, stride, values + kept * stride);
         kept += stays ? 1 : 0;
     }
-    const SegmentColumns closed = SegmentColumns::at(memory, kept);
-    std::copy_n(y, kept, closed.y);
-    std::copy_n(values, kept * stride, closed.values);
     return kept;
 }
 
@@ -339,9 +335,6 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     if (moves_records()) {
         worker.moved.wanted = reached(ref.info, filling.cells);
         move_rows(page, worker.moved, cells);
-        worker.moved.values.resize(page.count * stride_);
-        if (channels_.values(page, 0, page.count, worker.moved.values.data()) > 0)
-            count_not_finite(not_finite_of(page, worker.moved), page, filling);
     } else {
         find_cells(page, cells);
         std::erase_if(cells, [&](const CellRows& rows) { return !contains(filling.cells, rows.cell_x, rows.cell_y); });
@@ -358,15 +351,16 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
     if (moves_records()) {
         const auto sort = stride_ == 4 ? &Loader::sort_moved_rows<4> : &Loader::sort_moved_rows<0>;
-        (this->*sort)(page, worker.moved, filling.rows + SegmentColumns::bytes(to, stride_));
+        count_not_finite((this->*sort)(page, worker.moved, filling.rows + SegmentColumns::bytes(to, stride_)), page, filling);
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellRows& rows = cells[i];
         std::byte* const memory = filling.rows + SegmentColumns::bytes(to, stride_);
         const SegmentColumns columns = SegmentColumns::at(memory, rows.count);
+        std::uint32_t left = moves_records() ? worker.moved.kept_of(rows.cell_x, rows.cell_y) : rows.count;
         const auto place = [&](const FilmGrid::Place& of, const std::vector<std::uint32_t>& positions, std::uint32_t* places) {
             const std::uint32_t* const from = moves_records() ? places : positions.data() + rows.first;
-            place_rows(of, {from, rows.count}, places);
+            place_rows(of, {from, left}, places);
         };
         place(grid_.place_x(rows.cell_x), page.u, columns.x);
         place(grid_.place_y(rows.cell_y), page.v, columns.y);
@@ -374,11 +368,11 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
             const std::size_t first = rows.first;
             const std::uint64_t not_finite = channels_.values(page, first, first + rows.count, columns.values);
             count_not_finite(not_finite, page, filling);
+            if (lens != nullptr && lens->leaves_records_out())
+                left = stride_ == 4 ? drop_zeros<4>(columns, rows.count) : drop_zeros<0>(columns, rows.count);
         }
-        std::uint32_t left = rows.count;
-        if (lens != nullptr && lens->leaves_records_out())
-            left = stride_ == 4 ? drop_zeros<4>(memory, rows.count) : drop_zeros<0>(memory, rows.count);
-        pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to, left};
+        pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to, left,
+                     rows.count};
         to += rows.count;
     }
     kept = {pieces, cells.size()};

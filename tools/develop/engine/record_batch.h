@@ -82,16 +82,20 @@ class Loader {
         std::uint32_t cell_x, cell_y, first, count;
     };
     struct SlotRows {  // rows of the batch, from that number on, and the place of their cell and class in its index
-        std::uint32_t slot, first, count;
+        std::uint32_t slot, first, count, room;
     };
     struct Filling;
     // Where the rows of a page go whose records a lens has moved.
     struct MovedRows {
-        PixelRect wanted;                  // cells, numbered row by row
-        std::vector<std::uint32_t> cell;   // of each row; that behind the last for rows elsewhere
-        std::vector<std::uint32_t> count;  // of each cell's rows
-        std::vector<SegmentColumns> next;  // where the next row of each cell goes
-        std::vector<float> values;         // of all rows
+        PixelRect wanted;                     // cells, numbered row by row
+        std::vector<std::uint32_t> cell;      // of each row; that behind the last for rows elsewhere
+        std::vector<std::uint32_t> count;     // of each cell's rows
+        std::vector<std::uint32_t> kept;      // of each cell's rows
+        std::vector<SegmentColumns> columns;  // of each cell
+        std::vector<float> values;            // of some rows
+        std::uint32_t kept_of(std::int64_t x, std::int64_t y) const {
+            return kept[static_cast<std::size_t>((y - wanted.y0) * wanted.width() + x - wanted.x0)];
+        }
         std::uint32_t elsewhere() const { return static_cast<std::uint32_t>(wanted.width() * wanted.height()); }
     };
     struct Worker {  // what a thread keeps from page to page
@@ -108,12 +112,12 @@ class Loader {
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
     void move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellRows>& cells) const;
-    std::uint64_t not_finite_of(const sampledb::Page& page, const MovedRows& moved) const;
+    std::uint64_t not_finite_of(const sampledb::Page& page, const MovedRows& moved, std::size_t begin, std::size_t end) const;
     void count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling);
     template <std::size_t kStride>  // if it is known; else 0
-    void sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const;
+    std::uint64_t sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const;
     template <std::size_t kStride>
-    std::uint32_t drop_zeros(std::byte* memory, std::uint32_t count) const;
+    std::uint32_t drop_zeros(const SegmentColumns& columns, std::uint32_t count) const;
 
     const sampledb::RunSet& run_set_;
     const FilmGrid& grid_;

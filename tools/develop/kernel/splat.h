@@ -34,8 +34,9 @@ struct Segment {
     std::uint64_t page;  // page_order (record_batch.h)
     std::byte* memory;
     std::uint32_t count;
+    std::uint32_t room = count;  // records that the columns have room for
 
-    SegmentColumns columns() const { return SegmentColumns::at(memory, count); }
+    SegmentColumns columns() const { return SegmentColumns::at(memory, room); }
 };
 
 enum class Weights : std::uint8_t {

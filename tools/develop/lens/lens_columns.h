@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "sampledb/data/job.h"
@@ -41,23 +43,22 @@ inline Status check_lens_columns(const sampledb::Job& job, const std::string& op
                        ", and a camera that has a lens");
 }
 
-// The leading 8 bits of unsigned numbers.
-class LeadingBytes {
- public:
-    LeadingBytes() = default;
-    explicit LeadingBytes(const sampledb::ExtraColumn& column)
-        : width_(sampledb::width(column.type)), first_(column.values.data() + width_ - 1) {}
-    std::size_t operator[](std::size_t row) const { return static_cast<std::size_t>(first_[row * width_]); }
-
- private:
-    std::size_t width_ = 1;
-    const std::byte* first_ = nullptr;
-};
+// The leading 8 bits of a column of unsigned numbers, of rows begin .. end-1, one after the other. In `copies` if they are wider.
+inline const std::uint8_t* leading_bytes(const sampledb::ExtraColumn& column, std::size_t begin, std::size_t end,
+                                         std::vector<std::uint8_t>& copies) {
+    const std::size_t width = sampledb::width(column.type);
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(column.values.data());
+    if (width == 1) return bytes + begin;
+    copies.resize(end - begin);
+    for (std::size_t i = 0; i < copies.size(); ++i) copies[i] = bytes[(begin + i) * width + width - 1];
+    return copies.data();
+}
 
 // The middle of a cell of the lens, along x or y of the unit disk.
 inline double middle_of_cell(std::size_t cell) { return (static_cast<double>(cell) + 0.5) / 128 - 1; }
 inline std::array<double, 2> lens_point(const sampledb::Page& page, const std::array<std::size_t, 2>& columns, std::size_t row) {
-    const auto along = [&](std::size_t column) { return middle_of_cell(LeadingBytes(page.extra[column])[row]); };
+    std::vector<std::uint8_t> copy;
+    const auto along = [&](std::size_t column) { return middle_of_cell(*leading_bytes(page.extra[column], row, row + 1, copy)); };
     return {along(columns[0]), along(columns[1])};
 }
 

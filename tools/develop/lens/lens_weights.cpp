@@ -20,17 +20,6 @@ struct Moments {
     double kept() const { return square > 0 ? mean * mean / square : 0; }
 };
 
-// The leading 24 bits, which are exact as float and are signed for processors that convert only such.
-float fraction_of(std::uint32_t position) { return static_cast<float>(static_cast<std::int32_t>(position >> 8)) * 0x1p-24f; }
-
-// The share of a cell, whose middle has this square of the distance from the middle of a rim, that lies within; the edge counts as
-// straight within a cell.
-float within_rim(float square) {
-    constexpr float kPerCell = kLensCells / 2.0f;
-    const float share = (1 - std::sqrt(square)) * kPerCell + 0.5f;
-    return std::min(std::max(share, 0.0f), 1.0f);
-}
-
 }  // namespace
 
 LensSums::LensSums(const std::vector<double>& values) : above_((kLensCells + 1) * kStride) {
@@ -72,7 +61,7 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
         weights.lens_columns_ = lens_columns(job);
         if (!choice.aperture.is_whole() || job.light_paths_per_sample > 0)
             weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height);
-        weights.set_focus(choice.film_shift);
+        weights.film_shift_ = choice.film_shift;
         if (!(weights.mean_ > 0)) return usage_error("--aperture: no light passes");
     }
     if (!choice.shutter.is_whole()) {
@@ -94,10 +83,11 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     constexpr double kNearlyAll = 0.9;  // to find out which records are left out costs more than it saves
     double disk = 0;
     bool closed_somewhere = aperture.cat_eye > 0;
-    std::vector<double> passing, squares;
+    std::vector<double> areas, passing, squares;
     for (std::size_t cell = 0; cell < cells.area.size(); ++cell) {
         const auto area = static_cast<double>(cells.area[cell]), weight = static_cast<double>(cells.transmission[cell]);
         disk += area;
+        areas.push_back(area);
         passing.push_back(weight * area);
         squares.push_back(weight * weight * area);
         closed_somewhere = closed_somewhere || (area > 0 && weight == 0);
@@ -106,7 +96,8 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
-    if (!aperture.is_whole()) cells_ = cells.transmission;
+    const bool is_even = std::ranges::equal(passing, areas);
+    if (!is_even) cells_ = cells.transmission;
     set_means(LensSums(squares), disk);
     leaves_out_ = closed_somewhere && mean_ < kNearlyAll;
 }
@@ -145,15 +136,6 @@ void LensWeights::set_means(const LensSums& square_sums, double disk) {
             const float corner = at(i, j), right = at(i + 1, j) - corner, down = at(i, j + 1) - corner;
             patches_.push_back({corner, right, down, at(i + 1, j + 1) - corner - right - down});
         }
-    }
-}
-
-void LensWeights::set_focus(const std::array<double, 2>& film_shift) {
-    film_shift_ = film_shift;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-        for (std::size_t cell = 0; cell < kLensCells; ++cell)
-            moves_[axis][cell] =
-                static_cast<std::int64_t>(std::floor(std::clamp(film_shift[axis] * middle_of_cell(cell), -1.0, 1.0) * 0x1p32));
     }
 }
 
@@ -209,6 +191,8 @@ void LensWeights::means_at(const sampledb::Page& page, std::size_t begin, std::s
 // A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
 // light through these, over that through all.
 float LensWeights::share_on_film(double u, double v) const {
+    const auto stays = [](double position, double shift) { return std::abs(position - 0.5) + std::abs(shift) <= 0.5; };
+    if (stays(u, film_shift_[0]) && stays(v, film_shift_[1])) return 1;
     constexpr double kPerCell = kLensCells / 2.0;
     const auto cells = [](double position, double shift) {  // whose centres the film has
         if (shift == 0) return std::array<double, 2>{0, kLensCells};
@@ -218,7 +202,6 @@ float LensWeights::share_on_film(double u, double v) const {
     };
     const auto [x0, x1] = cells(u, film_shift_[0]);
     const auto [y0, y1] = cells(v, film_shift_[1]);
-    if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
     const auto [seen, all] = light_between(static_cast<std::size_t>(y0), static_cast<std::size_t>(y1), x0, x1, u, v);
     return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
 }
@@ -257,10 +240,11 @@ void LensWeights::set_shutter(const Shutter& shutter, const ShutterCurve& curve)
     }
     if (shutter.rolling > 0) {
         leaves_out_ = true;
-        rolling_begins_ = static_cast<float>(begins - 1) * kStepsPerCell;
-        rolling_later_ = static_cast<float>(shutter.rolling * all) * kStepsPerCell;
-        for (double after = -1; after < exposed; after += 1.0 / kStepsPerCell) rolling_open_.push_back(transmission(after));
-        rolling_open_.insert(rolling_open_.end(), 2, 0.0f);
+        constexpr int kSteps = RollingShutter::kStepsPerCell;
+        rolling_.begins = static_cast<float>(begins - 1) * kSteps;
+        rolling_.later = static_cast<float>(shutter.rolling * all) * kSteps;
+        for (double after = -1; after < exposed; after += 1.0 / kSteps) rolling_.open.push_back(transmission(after));
+        rolling_.open.insert(rolling_.open.end(), 2, 0.0f);
     }
     const double mean = curve.all() * (1 - shutter.rolling) / shutter.frames;
     time_mean_ = static_cast<float>(mean);
@@ -268,77 +252,60 @@ void LensWeights::set_shutter(const Shutter& shutter, const ShutterCurve& curve)
     kept_ *= moments.kept();
 }
 
-void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
-    const LeadingBytes columns(page.extra[(*lens_columns_)[0]]), rows(page.extra[(*lens_columns_)[1]]);
-    if (rim_u_ == 0) {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[rows[begin + i] * kLensCells + columns[begin + i]];
-        return;
-    }
-    // The middle of the first cell, from that of the rear rim in records at (0, 0).
-    constexpr float kCell = 2.0f / kLensCells;
-    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2;
-    std::array<std::int32_t, kAtOnce> x{}, y{};
-    std::array<float, kAtOnce> u{}, v{};
-    const std::uint32_t *const its_u = page.u.data(), *const its_v = page.v.data();
-    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
-        float* const out = weights.data() + done;
-        for (std::size_t i = 0; i < count; ++i) {
-            x[i] = static_cast<std::int32_t>(columns[first + i]), y[i] = static_cast<std::int32_t>(rows[first + i]);
-            out[i] = cells_[static_cast<std::size_t>(y[i]) * kLensCells + static_cast<std::size_t>(x[i])];
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            u[i] = fraction_of(its_u[first + i]), v[i] = fraction_of(its_v[first + i]);
-        }
-        for (std::size_t i = 0; i < kAtOnce; ++i) {
-            const float dx = static_cast<float>(x[i]) * kCell + from_x - u[i] * rim_u_,
-                        dy = static_cast<float>(y[i]) * kCell + from_y - v[i] * rim_v_;
-            u[i] = within_rim(dx * dx + dy * dy);
-        }
-        for (std::size_t i = 0; i < count; ++i) out[i] *= u[i];
-    }
+void LensWeights::move(sampledb::Page& page, int level, const PixelRect& wanted, std::span<std::uint32_t> cells) const {
+    std::array<std::vector<std::uint8_t>, 2> copies;
+    const auto lens = [&](std::size_t axis) {
+        return leading_bytes(page.extra[(*lens_columns_)[axis]], 0, page.count, copies[axis]);
+    };
+    const auto along = [&](std::size_t axis, std::int64_t first, std::int64_t count) {
+        return AxisMove{static_cast<float>(film_shift_[axis]), static_cast<std::uint32_t>(first),
+                        static_cast<std::uint32_t>(count)};
+    };
+    move_positions(along(0, wanted.x0, wanted.width()), along(1, wanted.y0, wanted.height()), level, lens(0), lens(1),
+                   page.u.data(), page.v.data(), cells);
 }
 
-void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
-    const LeadingBytes times(page.extra[*time_column_]);
-    if (rolling_open_.empty()) {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[times[begin + i]];
+void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, Factors& out) const {
+    const std::span<float> weights = out.share;
+    std::ranges::fill(weights, 1.0f);
+    if (!lens_closes()) return;
+    const auto lens = [&](std::size_t axis) {
+        return leading_bytes(page.extra[(*lens_columns_)[axis]], begin, begin + weights.size(), out.lens[axis]);
+    };
+    const std::uint8_t *const x = lens(0), *const y = lens(1);
+    if (!cells_.empty()) {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[y[i] * kLensCells + x[i]];
+    }
+    if (rim_u_ == 0) return;
+    const auto first = static_cast<float>(middle_of_cell(0));
+    weigh_by_rim({first + rim_u_ / 2, first + rim_v_ / 2, rim_u_, rim_v_}, x, y, &page.u[begin], &page.v[begin], weights);
+}
+
+void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, Factors& out) const {
+    const std::span<float> weights = out.share;
+    const std::uint8_t* const times = leading_bytes(page.extra[*time_column_], begin, begin + weights.size(), out.lens[0]);
+    if (rolling_.open.empty()) {
+        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[times[i]];
         return;
     }
-    const auto last = static_cast<float>(rolling_open_.size() - 2);
-    std::array<float, kAtOnce> step;
-    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
-        for (std::size_t i = 0; i < count; ++i)
-            step[i] = static_cast<float>(static_cast<std::int32_t>(times[first + i]) * kStepsPerCell) - rolling_begins_;
-        for (std::size_t i = 0; i < count; ++i)
-            step[i] = std::min(std::max(step[i] - fraction_of(page.v[first + i]) * rolling_later_, 0.0f), last);
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto at = static_cast<std::int32_t>(step[i]);
-            const float* const open = rolling_open_.data() + at;
-            weights[done + i] *= open[0] + (step[i] - static_cast<float>(at)) * (open[1] - open[0]);
-        }
-    }
+    weigh_by_rolling_shutter(rolling_, times, &page.v[begin], weights);
 }
 
 // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
 void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const {
     out.share.resize(end - begin);
-    if (cells_.empty()) {
-        std::ranges::fill(out.share, 1.0f);
-    } else {
-        through_lens(page, begin, out.share);
-    }
-    if (time_column_) through_shutter(page, begin, out.share);
-    out.value = out.share;
+    through_lens(page, begin, out);
+    if (time_column_) through_shutter(page, begin, out);
     const bool is_camera = page.record_class == sampledb::RecordClass::kCamera;
     if (is_camera == follows_) {
-        out.mean.resize(end - begin);
-        means_at(page, begin, out.mean);
+        out.value.resize(end - begin);
+        means_at(page, begin, out.value);
         for (std::size_t i = 0; i < out.value.size(); ++i) {
-            if (is_camera) out.value[i] *= out.mean[i];
-            if (!is_camera && out.value[i] > 0) out.value[i] /= out.mean[i];
+            const float share = out.share[i], mean = out.value[i];
+            out.value[i] = is_camera ? share * mean : share > 0 ? share / mean : 0;
         }
+    } else {
+        out.value = out.share;
     }
     if (is_camera) return;
     std::ranges::fill(out.share, 0.0f);

@@ -13,8 +13,10 @@
 #include "base/result.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
+#include "tools/develop/film/film_grid.h"
 #include "tools/develop/lens/aperture.h"
 #include "tools/develop/lens/lens_columns.h"
+#include "tools/develop/lens/lens_rows.h"
 #include "tools/develop/lens/shutter.h"
 
 namespace latent::develop {
@@ -58,12 +60,12 @@ class LensWeights {
 
     // Whether any record of a class may have another factor than 1.
     bool weighs(sampledb::RecordClass record_class) const {
-        return record_class == sampledb::RecordClass::kLight || !cells_.empty() || time_column_ || follows_;
+        return record_class == sampledb::RecordClass::kLight || lens_closes() || time_column_ || follows_;
     }
     // What the values and the shares of rows are multiplied by; the share of a light record is 0.
     struct Factors {
         std::vector<float> value, share;
-        std::vector<float> mean;  // for their making
+        std::array<std::vector<std::uint8_t>, 2> lens;  // for their making
     };
     void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const;
 
@@ -72,31 +74,21 @@ class LensWeights {
 
     // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
     bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
-    // Where the records of a page meet the film: u and v, in units of 2^-32, and the film's shift x their points of the lens. That
-    // may be below 0 or beyond 1.
-    class Shifts {
-     public:
-        Shifts(const LensWeights& weights, const sampledb::Page& page)
-            : moves_(weights.moves_), x_(page.extra[(*weights.lens_columns_)[0]]), y_(page.extra[(*weights.lens_columns_)[1]]) {}
-        std::int64_t u(std::size_t row, std::uint32_t from) const { return from + moves_[0][x_[row]]; }
-        std::int64_t v(std::size_t row, std::uint32_t from) const { return from + moves_[1][y_[row]]; }
-
-     private:
-        const std::array<std::array<std::int64_t, kLensCells>, 2>& moves_;
-        LeadingBytes x_, y_;
-    };
+    // Moves the records of a page along the film by its shift x their points of the lens. `cells`, of all rows: the numbers of
+    // their new cells, as move_positions gives them.
+    void move(sampledb::Page& page, int level, const PixelRect& wanted, std::span<std::uint32_t> cells) const;
 
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
     double kept() const { return kept_; }
 
  private:
+    bool lens_closes() const { return !cells_.empty() || rim_u_ != 0; }
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
-    void set_focus(const std::array<double, 2>& film_shift);
     void set_shutter(const Shutter& shutter, const ShutterCurve& curve);
     void set_means(const LensSums& square_sums, double disk);
-    void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
-    void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
+    void through_lens(const sampledb::Page& page, std::size_t begin, Factors& out) const;
+    void through_shutter(const sampledb::Page& page, std::size_t begin, Factors& out) const;
     void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
     float share_on_film(double u, double v) const;
     std::array<double, 2> light_between(std::size_t first, std::size_t last, double begin, double end, double u, double v) const;
@@ -107,7 +99,7 @@ class LensWeights {
     double mean_ = 1, kept_ = 1;
 
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
-    std::vector<float> cells_{};                                // transmission; none: of the whole lens
+    std::vector<float> cells_{};                                // transmission; none: 1
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
     // The mean over the lens, on kPatches x kPatches patches of the film: at a corner, and what is added to the right of it, below
     // it, and in both directions.
@@ -119,17 +111,12 @@ class LensWeights {
 
     LensSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 
-    std::array<double, 2> film_shift_{};
-    std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
+    std::array<double, 2> film_shift_{};  // of u and v, per radius of the lens
 
     std::optional<std::size_t> time_column_{};
     std::array<float, 256> open_{};  // transmission in each cell of time; for a rolling shutter, that of the row in the middle
     float time_mean_ = 1;
-    // Transmission in a cell of time, by the time from the beginning of a row's exposure to that of the cell. Between the entries,
-    // which begin at -1 cell, it is linear, so that its sum over the cells is the same for all rows.
-    static constexpr int kStepsPerCell = 16;
-    std::vector<float> rolling_open_{};             // none: rows are exposed together
-    float rolling_begins_ = 0, rolling_later_ = 0;  // in steps: the first entry, in the first row; how much later it is in the last
+    RollingShutter rolling_{};  // not open: rows are exposed together
 };
 
 }  // namespace latent::develop
