@@ -374,7 +374,7 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
     EXPECT_NEAR(plastic.spectra.at("base_color").value(500), 0.8, 1e-3);
     for (const auto& [name, value] : {std::pair("f0", 0.04f), {"f90", 1.0f}, {"roughness", 0.5f}, {"metallic", 0.0f}})
         EXPECT_FLOAT_EQ(plastic.number(name).value, value) << name;
-    EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").number("metallic").value, 1);
+    EXPECT_EQ(material("Kd 0 0 0\nKs .9 .9 .9\nillum 3\n").number("metallic").value, 1);
     const MaterialDescription glass = material("illum 7\nNi 1.33\n");
     EXPECT_EQ(glass.type, "dielectric");
     EXPECT_NEAR(glass.spectra.at("eta").value(550), 1.33, 1e-12);

@@ -121,26 +121,140 @@ TEST_F(Obj, AnIndexOfZeroIsThatOfAnOpaqueMaterial) {
     EXPECT_EQ(material("illum 7\nNi 0\n").spectra.at("eta").value(500), 1.5);
 }
 
-TEST_F(Obj, IllumIsGlassOrAMirrorOnlyWhereTheColoursAgree) {
+TEST_F(Obj, IllumIsGlassOnlyWhereTheColoursAgree) {
     testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
     EXPECT_EQ(material("illum 7\nKd 0 0 0\n").type, "dielectric");
     EXPECT_EQ(material("illum 7\nmap_Kd a.exr\n").type, "diffuse");
     EXPECT_EQ(material("illum 4\nKd .5 .5 .5\nTf 1 1 1\nNi 1.00\n").type, "diffuse");  // Maya's default
-    const auto metallic = [&](const std::string& mtl) { return material(mtl).number("metallic").value; };
-    EXPECT_EQ(metallic("illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n"), 0);
-    EXPECT_EQ(metallic("illum 3\nKd .1 .1 .1\nKs .8 .8 .8\n"), 1);
-    EXPECT_EQ(material("illum 3\nKd .1 .1 .1\nKs .8 .8 .8\nNs 250\n").number("roughness").value, 0);
-    // Without a body it is a metal, unless Ks is what Blender writes for anything.
-    EXPECT_EQ(metallic("illum 2\nKd 0 0 0\nKs .9 .6 .3\nNs 250\n"), 1);
-    EXPECT_EQ(material("illum 2\nKd 0 0 0\nKs .9 .6 .3\nNs 250\n").number("roughness").value, 0.5f);
-    EXPECT_EQ(metallic("illum 2\nKd 0 0 0\nKs .5 .5 .5\nNs 250\n"), 0);
-    EXPECT_EQ(metallic("illum 2\nKd .2 .2 .2\nKs .9 .9 .9\n"), 0);
     EXPECT_NEAR(material("illum 4\nTf .25 .25 .25\n").spectra.at("transmittance").value(500), 0.25, 1e-3);
     // Without Tf, the hue of Kd, which need not be as dark.
     EXPECT_TRUE(material("illum 4\nKd .5 .5 .5\n").spectra.count("transmittance") == 0);
     const MaterialDescription green = material("illum 4\nKd 0 .25 0\n");
     EXPECT_GT(green.spectra.at("transmittance").value(530), 0.9);
     EXPECT_LT(green.spectra.at("transmittance").value(650), 0.1);
+}
+
+// Mirroring, a Ks above Kd, a hue of Ks: two of the three make a metal.
+TEST_F(Obj, TwoSignsOfAMetalMakeOne) {
+    const auto metallic = [&](const std::string& mtl) { return material(mtl).number("metallic").value; };
+    for (const char* metal : {"illum 3\nKd 0 0 0\nKs .8 .8 .8\n", "illum 8\nKd 0 .8 0\nKs 0 .8 0\n",
+                              "illum 2\nKd 0 0 0\nKs .95 .64 .54\n", "Kd 0 0 0\nKs .9 .6 .3\n", "illum 5\nKd 0 0 0\nKs .9 .6 .3\n"})
+        EXPECT_EQ(metallic(metal), 1) << metal;
+    for (const char* plastic :
+         {"illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n", "illum 2\nKd 0 0 0\nKs .8 .8 .8\n", "illum 2\nKd .9 .6 .3\nKs .9 .6 .3\n"})
+        EXPECT_EQ(metallic(plastic), 0) << plastic;
+    EXPECT_EQ(material("illum 1\nKd 0 0 0\nKs .95 .64 .54\n").type, "diffuse");
+    // Its colour is Ks; it is as rough as Ns says, unless it mirrors.
+    const MaterialDescription mirror = material("illum 3\nKd 0 0 0\nKs .8 .8 .8\nNs 250\n");
+    EXPECT_NEAR(mirror.spectra.at("base_color").value(500), 0.8, 1e-3);
+    EXPECT_EQ(mirror.number("roughness").value, 0);
+    EXPECT_EQ(material("Kd 0 0 0\nKs .9 .6 .3\nNs 250\n").number("roughness").value, 0.5f);
+    // In between, both are as much a part as they are brighter: (.8 - .2) / .8.
+    const MaterialDescription between = material("illum 3\nKd .2 .2 .2\nKs .8 .8 .8\nNs 250\n");
+    EXPECT_FLOAT_EQ(between.number("metallic").value, 0.75f);
+    EXPECT_FLOAT_EQ(between.number("roughness").value, 0.25f * 0.5f);
+    EXPECT_TRUE(between.spectra.at("base_color").is_textured());
+}
+
+// Along each of three ways, from plastic to metal or back, in 500 steps.
+TEST_F(Obj, ATinyChangeOfANumberChangesAMaterialLittle) {
+    constexpr int kSteps = 500;
+    constexpr float kMost = 0.05f;
+    const auto rgb = [](double r, double g, double b) { return fmt::format("{} {} {}\n", r, g, b); };
+    for (const int illum : {2, 3}) {
+        float most_changed = 0;
+        for (const int way : {0, 1, 2}) {
+            std::string mtl, obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+            for (int i = 0; i <= kSteps; ++i) {
+                const double x = static_cast<double>(i) / kSteps;
+                mtl += fmt::format("newmtl m{}\nillum {}\nNs 100\n", i, illum) +
+                       (way == 0   ? "Kd .1 .1 .1\nKs " + rgb(0.1 + 0.9 * x, 0.1 + 0.9 * x, 0.1 + 0.9 * x)
+                        : way == 1 ? "Kd " + rgb(x, x, x) + "Ks .9 .7 .3\n"
+                                   : "Kd .2 .1 .1\nKs " + rgb(0.9, 0.9 * x, 0.9 * x));
+                obj += fmt::format("usemtl m{}\nf 1 2 3\n", i);
+            }
+            folder_.write("m.mtl", mtl);
+            const SceneDescription scene = load(obj).description;
+            ASSERT_EQ(scene.shapes.size(), kSteps + 2u);  // and the ground
+            float lowest = 1, highest = 0;
+            for (std::size_t i = 0; i <= kSteps; ++i) {
+                const MaterialDescription& m = scene.materials.at(scene.shapes.at(i).material);
+                lowest = std::min(lowest, m.number("metallic").value);
+                highest = std::max(highest, m.number("metallic").value);
+                if (i == 0) continue;
+                const MaterialDescription& before = scene.materials.at(scene.shapes.at(i - 1).material);
+                for (const char* name : {"metallic", "roughness", "f0", "f90"})
+                    EXPECT_NEAR(m.number(name).value, before.number(name).value, kMost) << name << illum << way << i;
+            }
+            most_changed = std::max(most_changed, highest - lowest);
+        }
+        EXPECT_GT(most_changed, 0.7f) << illum;  // or nothing was shown
+    }
+}
+
+// Blender writes Ka for the metallic share, Ns for the roughness, Ks for the specular level.
+TEST_F(Obj, AFileOfBlendersHasTheInputsOfItsPrincipledBsdf) {
+    testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    const std::string faces = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const auto of_header = [&](const std::string& header, const std::string& mtl) {
+        folder_.write("m.mtl", header + "newmtl m\n" + mtl);
+        return load(faces);
+    };
+    const std::string metal = "Ns 810\nKa .75 .75 .75\nKd .9 .7 .3\nKs .5 .5 .5\nNi 1.45\nd 1\nillum ";
+    for (const char* header : {"# Blender MTL File: 'a.blend'\n", "# Blender 4.1.0 MTL File: 'None'\n# www.blender.org\n"}) {
+        for (const int illum : {3, 6}) {
+            const LoadedScene scene = of_header(header, metal + std::to_string(illum) + "\n");
+            EXPECT_THAT(scene.warnings, IsEmpty());
+            const MaterialDescription& m = scene.description.materials.at(1);
+            EXPECT_EQ(m.type, "metallicroughness");
+            for (const auto& [name, value] :
+                 {std::pair("metallic", 0.75f), {"roughness", 0.1f}, {"f0", 0.04f}, {"f90", 1.0f}, {"coat", 0.0f}})
+                EXPECT_NEAR(m.number(name).value, value, 1e-6) << name;
+            EXPECT_EQ(content_hash(scene.description),
+                      content_hash(of_header("# Blender\n", "Kd .9 .7 .3\nKs .5 .5 .5\nPr .1\nPm .75\nNi 1.45\n").description));
+        }
+        // Ka is 1 for what is not metal.
+        EXPECT_EQ(of_header(header, metal + "2\n").description.materials.at(1).number("metallic").value, 0);
+    }
+    // Other programs have a light from all around in it.
+    EXPECT_EQ(of_header("# A program\n", metal + "3\n").description.materials.at(1).number("metallic").value, 0);
+    EXPECT_EQ(of_header("# A program\n", metal + "6\n").description.materials.at(1).type, "dielectric");
+
+    const SceneDescription mapped =
+        of_header("# Blender 3.4.1\n", "Kd 1 1 1\nKs .5 .5 .5\nillum 2\nmap_Ns a.exr\nmap_refl a.exr\nmap_Bump a.exr\n")
+            .description;
+    const MaterialDescription& m = mapped.materials.at(1);
+    for (const char* name : {"roughness", "metallic"}) {
+        ASSERT_TRUE(m.number(name).is_textured()) << name;
+        EXPECT_EQ(mapped.textures.at(m.number(name).texture).tint[0], 1) << name;
+    }
+    EXPECT_NE(m.normal_map, kNone);
+    EXPECT_EQ(of_header("# Blender\n", "Kd .1 .8 .1\nPr 0\nPm 0\nTf 1 1 1\nNi 1.45\n").description.materials.at(1).type,
+              "dielectric");
+}
+
+TEST_F(Obj, AMapWithoutAFactorIsTakenAsItIs) {
+    testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    for (const auto& [without, with] : {std::pair("map_Kd a.exr\n", "Kd 1 1 1\nmap_Kd a.exr\n"),
+                                        {"map_Ks a.exr\n", "Ks 1 1 1\nmap_Ks a.exr\n"},
+                                        {"map_Ke a.exr\n", "Ke 1 1 1\nmap_Ke a.exr\n"},
+                                        {"map_Pr a.exr\n", "Pr 1\nmap_Pr a.exr\n"},
+                                        {"map_Kd a.exr\nKd 0 0 0\n", "Kd 1 1 1\nmap_Kd a.exr\n"}}) {
+        const std::string faces = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        folder_.write("m.mtl", std::string("newmtl m\n") + without);
+        const Hash128 alone = hash(faces);
+        folder_.write("m.mtl", std::string("newmtl m\n") + with);
+        EXPECT_EQ(alone, hash(faces)) << without;
+    }
+}
+
+// Black would hide the shape; a Kd that is a colour is what there is.
+TEST_F(Obj, ABlackBodyWhosePictureIsMissingIsGrey) {
+    const auto kd = [&](const std::string& mtl) { return material(mtl).spectra.at("reflectance").value(500); };
+    EXPECT_NEAR(kd("Kd 0 0 0\nmap_Kd none.png\n"), 0.5, 1e-6);
+    EXPECT_NEAR(kd("map_Kd none.png\n"), 0.5, 1e-6);
+    EXPECT_NEAR(kd("map_Kd none.png\nKd .25 .25 .25\n"), 0.25, 1e-6);
+    EXPECT_EQ(kd("Kd 0 0 0\n"), 0);
 }
 
 TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {

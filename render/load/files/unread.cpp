@@ -109,7 +109,7 @@ constexpr UnreadFeatures kUnreadFeatures[] = {
     {kObj, "materials", "aniso anisor", "reflections are blurred alike in all directions"},
     {kObj, "materials", "bump disp", "heights have no unit"},
     {kObj, "materials", "decal", "it has no colour of its own"},
-    {kObj, "materials", "refl", "what a surface mirrors is computed"},
+    {kObj, "materials", "map_refl refl", "what a surface mirrors is computed"},
     {kObj, "materials", "sharpness", "it is that of refl", true},
     {kObj, "materials", "map_aat", "pixels are always filtered", true},
     {kObj, "colours", "spectral xyz", "they are black"},

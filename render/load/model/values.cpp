@@ -78,6 +78,17 @@ FloatInput ModelValues::between(double low, double high, const FloatInput& value
     return out;
 }
 
+SpectrumInput ModelValues::between(const SpectrumInput& low, const SpectrumInput& high, double share) {
+    TextureDescription texture{.kind = TextureKind::kMix};
+    texture.is_spectrum = true;
+    texture.spectra[0] = low;
+    texture.spectra[1] = high;
+    texture.amount = static_cast<float>(share);
+    SpectrumInput out;
+    out.texture = add(std::move(texture));
+    return out;
+}
+
 FloatInput ModelValues::product(const FloatInput& a, const FloatInput& b) {
     if (!a.is_textured() && !b.is_textured()) return a.value * b.value;
     TextureDescription texture{.kind = TextureKind::kScale};

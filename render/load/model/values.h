@@ -31,6 +31,8 @@ class ModelValues {
     std::uint32_t normal_map(TextureDescription picture);
     // From `low` to `high` as `value` goes from 0 to 1.
     FloatInput between(double low, double high, const FloatInput& value);
+    // The same of colours, at a `share` of the way.
+    SpectrumInput between(const SpectrumInput& low, const SpectrumInput& high, double share);
     FloatInput product(const FloatInput& a, const FloatInput& b);
     // Of a reflectance; above 1 it is 1.
     SpectrumInput product(const SpectrumInput& color, const FloatInput& share);
