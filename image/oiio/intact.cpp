@@ -200,6 +200,11 @@ Status check_tiff(const std::string& path) {
         if (TIFFGetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, &bits) == 0)  // OpenImageIO takes it for eight
             return Error{ErrorCode::kUnsupported,
                          "it does not say how many bits a sample has (BitsPerSample), which means 1; convert it to a PNG"};
+        std::uint16_t colors = 0;
+        TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &colors);
+        if (colors == PHOTOMETRIC_CIELAB || colors == PHOTOMETRIC_ICCLAB || colors == PHOTOMETRIC_ITULAB)
+            return Error{ErrorCode::kUnsupported,
+                         "its colours are L*a*b*; convert it to RGB"};  // OpenImageIO takes them for R, G, B
         const std::uint32_t pieces = TIFFIsTiled(tiff.get()) ? TIFFNumberOfTiles(tiff.get()) : TIFFNumberOfStrips(tiff.get());
         if (pieces > bytes) return cut_off();
         for (std::uint32_t i = 0; i < pieces; ++i) {

@@ -24,7 +24,8 @@ bool RadianceInput::open(const std::string& path, OIIO::ImageSpec& spec) {
     rows_ = {file_.tellg()};
     m_spec = OIIO::ImageSpec(width_, height_, 3, OIIO::TypeDesc::FLOAT);
     constexpr std::array<float, 8> kXyz{1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3};
-    if (is_xyz_) m_spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kXyz.data());
+    if (is_xyz_) primaries_ = kXyz;
+    if (primaries_) m_spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), primaries_->data());
     spec = m_spec;
     return true;
 }
@@ -51,6 +52,10 @@ bool RadianceInput::read_header() {
         } else if (std::sscanf(line.c_str(), "COLORCORR=%f %f %f", &rgb[0], &rgb[1], &rgb[2]) == 3) {
             for (std::size_t c = 0; c < 3; ++c) scale_[c] /= rgb[c] > 0 && std::isfinite(rgb[c]) ? rgb[c] : 1;
         }
+        std::array<float, 8> p{};
+        if (std::sscanf(line.c_str(), "PRIMARIES=%f %f %f %f %f %f %f %f", &p[0], &p[1], &p[2], &p[3], &p[4], &p[5], &p[6],
+                        &p[7]) == 8)
+            primaries_ = p;
         char y_sign = 0, x_sign = 0;
         if (std::sscanf(line.c_str(), "%cY %9d %cX %9d", &y_sign, &height_, &x_sign, &width_) == 4 && width_ > 0 && height_ > 0) {
             from_bottom_ = y_sign == '+';

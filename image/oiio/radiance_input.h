@@ -8,12 +8,13 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace latent::image {
 
-// Three floats a pixel. XYZE has "chromaticities" that are the axes of XYZ.
+// Three floats a pixel. "chromaticities" are the PRIMARIES of the header, if there are any, or for XYZE the axes of XYZ.
 class RadianceInput final : public OIIO::ImageInput {
  public:
     const char* format_name() const override { return "radiance"; }
@@ -34,7 +35,8 @@ class RadianceInput final : public OIIO::ImageInput {
     int width_ = 0, height_ = 0;
     bool from_bottom_ = false, from_right_ = false, is_xyz_ = false;
     std::array<float, 3> scale_{1, 1, 1};  // what undoes the exposure
-    std::vector<std::streamoff> rows_{};   // where rows of the file begin, as far as they were read
+    std::optional<std::array<float, 8>> primaries_{};
+    std::vector<std::streamoff> rows_{};  // where rows of the file begin, as far as they were read
     std::vector<std::array<unsigned char, 4>> row_{};
 };
 

@@ -21,9 +21,7 @@ Result<Model> read_model(const std::filesystem::path& path, SceneFormat format, 
                          const ModelOptions& options, std::vector<std::string>& names, Diagnostics& diagnostics) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
-    if (bytes->starts_with("version https://git-lfs.github.com/spec/"))
-        return Error{ErrorCode::kForeign,
-                     path.string() + ": is a Git LFS pointer instead of the model; fetch that with: git lfs pull"};
+    if (is_lfs_pointer(*bytes)) return Error{ErrorCode::kForeign, fmt::format("{}: {}", path.string(), kLfsPointer)};
     if (format == SceneFormat::kObj && is_utf16(*bytes))
         return Error{ErrorCode::kForeign, fmt::format("{}: {}", path.string(), kUtf16)};
     if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
@@ -77,7 +75,7 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_i
     const Result<SceneFormat> format = format_of(path);
     if (!format) return format.error();
     const bool is_model = *format != SceneFormat::kPbrt;
-    if (!is_model && options != ModelOptions{})
+    if (!is_model && options != ModelOptions{.aspect = options.aspect})
         return usage_error(
             fmt::format("{}: --camera, --variant, --animation, --time, --shutter, --view, --up, --no-stage, --lens-radius, --focus "
                         "and --sky are for glTF and OBJ; a pbrt scene says these itself",

@@ -160,8 +160,10 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     auto out = std::make_unique<RenderJob>();
     Result<std::string> simd = choose_simd(settings.simd);
     if (!simd) return simd.error();
+    ModelOptions model = settings.model;
+    if (settings.resolution) model.aspect = static_cast<double>(settings.resolution->width) / settings.resolution->height;
     Result<LoadedScene> scene =
-        load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra, settings.model, settings.additions);
+        load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra, model, settings.additions);
     if (!scene) return scene.error();
     if (settings.strict && !scene->warnings.empty())
         return Error{ErrorCode::kUnsupported,

@@ -620,7 +620,8 @@ TEST_F(Models, WhatIsMissingForAColourIsLeftOutWithAWarning) {
 TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     const std::string camera = "has no camera; one that shows the whole model is added",
                       light = "has no light; a soft sky with a key light is added",
-                      own = "is lit by its own lights alone; --sky FILE adds a sky";
+                      own = "is lit by its own lights alone; --sky FILE adds a sky",
+                      no_ground = "has a camera, and so no ground: --no-stage changes nothing";
     const auto added = [&](const std::string& name, const std::string& text) {
         const LoadedScene scene = load(name, text).value();
         EXPECT_THAT(scene.warnings, ::testing::IsEmpty());
@@ -631,12 +632,12 @@ TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     using Lines = std::vector<std::string>;
     EXPECT_EQ(added("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), (Lines{camera, light}));
     GltfFile file = quad_and_lamp();
-    EXPECT_EQ(added("room.glb", as_glb(file)), Lines{own});
+    EXPECT_EQ(added("room.glb", as_glb(file)), (Lines{no_ground, own}));
     const LoadedScene from_above =
         load_scene(folder_.write("room.glb", as_glb(file)), false, color::RgbSpectra::kSmooth, {.view = ModelView::kTop}).value();
     EXPECT_THAT(from_above.added, ::testing::Contains(HasSubstr("has a camera: --view changes nothing")));
     file.json["scenes"][0]["nodes"] = {0, 1};
-    EXPECT_EQ(added("room.glb", as_glb(file)), Lines{light});
+    EXPECT_EQ(added("room.glb", as_glb(file)), (Lines{no_ground, light}));
     file.json.erase("cameras");
     file.json["nodes"][0].erase("camera");
     EXPECT_EQ(added("room.glb", as_glb(file)), (Lines{camera, light}));

@@ -381,6 +381,13 @@ TEST_F(Obj, APictureThatCannotBeReadIsDoneWithout) {
     EXPECT_EQ(hash, content_hash(load(faces).description));
 }
 
+TEST_F(Obj, ALibraryThatIsAGitLfsPointerIsCalledSo) {
+    folder_.write("m.mtl", "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n");
+    EXPECT_THAT(
+        load("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").warnings,
+        ElementsAre(HasSubstr("m.obj:1: mtllib: m.mtl: is a Git LFS pointer instead of the file; fetch that with: git lfs pull")));
+}
+
 TEST_F(Obj, Utf16IsCalledByItsName) {
     const auto utf16 = [](const std::string& text, bool big_endian) {
         std::string out = big_endian ? "\xFE\xFF" : "\xFF\xFE";

@@ -134,6 +134,16 @@ TEST_F(JobOf, AResolutionOfAnotherShapeChangesNoShapeAndSaysSo) {
     EXPECT_EQ(other->job.id, at(32, 24)->job.id);
 }
 
+TEST_F(JobOf, AModelWithoutACameraHasTheShapeOfTheResolution) {
+    RenderSettings model = settings();
+    model.scene = folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    model.resolution = {40, 20};
+    const auto small = job(model);
+    EXPECT_EQ(std::pair(small->job.aspect_width, small->job.aspect_height), (std::pair<std::uint32_t, std::uint32_t>(2, 1)));
+    EXPECT_THAT(small->warnings, ::testing::IsEmpty());
+    EXPECT_EQ(small->range.size(), 40 * 20 * 16u);
+}
+
 TEST_F(JobOf, EverySettingThatChangesRecordsOrRunsIsAnotherJob) {
     const RenderSettings plain = settings();
     std::set<std::string> ids{to_hex(job(plain)->job.id)};

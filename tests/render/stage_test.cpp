@@ -118,6 +118,20 @@ TEST_F(Stage, AGroundIsOnlyUnderModelsWithoutCameraAndLights) {
     folder_.write("m.mtl", "newmtl a\nKe 9 9 9\n");
     EXPECT_EQ(shapes("m.obj", std::string("mtllib m.mtl\nusemtl a\n") + kTriangle), 1u);
     EXPECT_THAT(load("m.obj", kTriangle).added, ElementsAre(HasSubstr("has no camera"), HasSubstr("and a ground are added")));
+    EXPECT_THAT(load("a.glb", as_glb(with_cameras({"a"})), {.stage = false}).added,
+                ::testing::Contains(HasSubstr("has a camera, and so no ground: --no-stage changes nothing")));
+}
+
+TEST_F(Stage, APictureOfAModelWithoutACameraHasAnyShape) {
+    const auto film = [&](const std::string& name, const std::string& text, std::optional<double> aspect) {
+        const SceneDescription scene = load(name, text, {.aspect = aspect}).description;
+        EXPECT_NEAR(scene.camera.x1 / scene.camera.y1, static_cast<double>(scene.film.width) / scene.film.height, 1e-9);
+        return std::pair(scene.film.width, scene.film.height);
+    };
+    EXPECT_EQ(film("m.obj", kTriangle, std::nullopt), std::pair(1280u, 720u));
+    EXPECT_EQ(film("m.obj", kTriangle, 1), std::pair(1280u, 1280u));
+    EXPECT_EQ(film("m.obj", kTriangle, 0.5), std::pair(1280u, 2560u));
+    EXPECT_EQ(film("a.glb", as_glb(with_cameras({"a"})), 0.5), film("a.glb", as_glb(with_cameras({"a"})), std::nullopt));
 }
 
 // Viewers show it so. A file with cameras is a scene, and so may be an OBJ file, which cannot have any.

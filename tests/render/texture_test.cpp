@@ -237,12 +237,57 @@ TEST_F(TextureTest, RadiancePicturesAreTheSameInEveryForm) {
     folder_.write("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n" + d);
     load_spectrum("\"imagemap\" \"string filename\" \"xyz.hdr\"");
     for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) EXPECT_NEAR(spectrum_at(0.5f, 0.5f)[i], expected[i], 1e-3f) << i;
+    // A colour whose primaries are those of sRGB, with red and blue exchanged.
+    const auto of_primaries = [&](const std::string& name, const std::string& line, const std::string& pixel) {
+        folder_.write(name, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + line + "\n-Y 1 +X 1\n" + pixel);
+        load_spectrum("\"imagemap\" \"string filename\" \"" + name + "\"");
+        return spectrum_at(0.5f, 0.5f);
+    };
+    const SampledSpectrum plain = of_primaries("plain.hdr", "", std::string("\x80\x40\x20\x80", 4)),
+                          exchanged = of_primaries("exchanged.hdr", "PRIMARIES= 0.15 0.06 0.3 0.6 0.64 0.33 0.3127 0.329\n",
+                                                   std::string("\x20\x40\x80\x80", 4));
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) EXPECT_NEAR(exchanged[i], plain[i], 1e-3f) << i;
     folder_.write("turned.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+X 8 -Y 2\n" + upper + lower);
     const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
     ASSERT_TRUE(pictures);
     const Result<image::PictureInfo> turned = (*pictures)->open(folder_ / "turned.hdr", "turned.hdr", {});
     ASSERT_FALSE(turned);
     EXPECT_THAT(turned.error().message, HasSubstr("turned.hdr: cannot be read as a picture: its rows run from top to bottom"));
+}
+
+// A TIFF of one pixel with these sorts of colours.
+std::string tiff_of(int photometric) {
+    const auto little_endian = [](std::uint32_t x, int bytes) {
+        std::string out;
+        for (int i = 0; i < bytes; ++i) out += static_cast<char>(x >> (8 * i) & 255);
+        return out;
+    };
+    // Tag, type, count, value.
+    const std::vector<std::array<std::uint32_t, 4>> entries = {
+        {256, 3, 1, 1},   {257, 3, 1, 1}, {258, 3, 3, 122}, {259, 3, 1, 1}, {262, 3, 1, static_cast<std::uint32_t>(photometric)},
+        {273, 4, 1, 128}, {277, 3, 1, 3}, {278, 3, 1, 1},   {279, 4, 1, 3}};
+    std::string out = std::string("II*\0", 4) + little_endian(8, 4) + little_endian(static_cast<std::uint32_t>(entries.size()), 2);
+    for (const auto& [tag, type, count, value] : entries)
+        out += little_endian(tag, 2) + little_endian(type, 2) + little_endian(count, 4) + little_endian(value, 4);
+    out += little_endian(0, 4);
+    EXPECT_EQ(out.size(), 122u);
+    return out + little_endian(8, 2) + little_endian(8, 2) + little_endian(8, 2) + "\x80\x10\x20";
+}
+
+// OpenImageIO takes the numbers of L*a*b* for R, G and B.
+TEST_F(TextureTest, TiffsInLabAreRefused) {
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+    ASSERT_TRUE(pictures);
+    for (const int lab : {8, 9, 10}) {
+        const std::string name = "lab" + std::to_string(lab) + ".tif";
+        folder_.write(name, tiff_of(lab));
+        const Result<image::PictureInfo> info = (*pictures)->open(folder_ / name, name, {});
+        ASSERT_FALSE(info) << lab;
+        EXPECT_THAT(info.error().message,
+                    HasSubstr(name + ": cannot be read as a picture: its colours are L*a*b*; convert it to RGB"));
+    }
+    folder_.write("rgb.tif", tiff_of(2));
+    EXPECT_TRUE((*pictures)->open(folder_ / "rgb.tif", "rgb.tif", {}));
 }
 
 // A PNG of one pixel: `row` begins with the filter.

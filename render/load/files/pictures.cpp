@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <system_error>
 
 #include "base/file.h"
@@ -11,6 +12,7 @@
 #include "image/exr_reader.h"
 #include "image/pictures.h"
 #include "image/plausible_size.h"
+#include "render/load/files/scene_files.h"
 
 namespace latent::render {
 
@@ -82,7 +84,12 @@ Result<FilePicture> read_other(const std::filesystem::path& path, const std::str
 }  // namespace
 
 Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std::string& in_messages) {
-    if (const Result<File> there = File::open_read(path); !there) return there.error();
+    const Result<File> there = File::open_read(path);
+    if (!there) return there.error();
+    std::array<char, 64> front{};
+    const Result<std::size_t> read = there->read_some(0, std::as_writable_bytes(std::span(front)));
+    if (!read) return read.error();
+    if (is_lfs_pointer({front.data(), *read})) return Error{ErrorCode::kForeign, fmt::format("{}: {}", in_messages, kLfsPointer)};
     const Result<FilePicture> picture = path.extension() == ".exr" ? read_exr(path) : read_other(path, in_messages);
     if (!picture) return picture.error();
     LoadedPicture out{.image = {.width = picture->width, .height = picture->height}};

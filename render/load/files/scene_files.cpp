@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <string_view>
 #include <vector>
 
 #include "base/file.h"
@@ -92,6 +91,8 @@ std::filesystem::path in_any_case(const std::filesystem::path& known, const std:
 }
 
 }  // namespace
+
+bool is_lfs_pointer(std::string_view content) { return content.starts_with("version https://git-lfs.github.com/spec/"); }
 
 std::filesystem::path SceneFiles::resolve(const std::string& name) const {
     std::error_code unknown;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "base/hash.h"
 #include "base/result.h"
@@ -14,6 +15,10 @@
 namespace latent::render {
 
 enum class AlphaUse : std::uint8_t;
+
+// What stands in for a file until it is fetched.
+bool is_lfs_pointer(std::string_view content);
+inline constexpr std::string_view kLfsPointer = "is a Git LFS pointer instead of the file; fetch that with: git lfs pull";
 
 class SceneFiles {
  public:

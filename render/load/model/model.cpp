@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "render/load/files/lat_long.h"
@@ -14,6 +15,8 @@
 namespace latent::render {
 
 namespace {
+
+constexpr long kMaxSide = 1 << 24;  // of films, in pixels
 
 // The vertices of the world, and the corners of boxes about instances, while they move.
 std::vector<Vec3d> points_of(const Model& model) {
@@ -86,7 +89,13 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
     std::vector<std::string> notes = std::move(model.notes);
     if (!model.has_camera && !model.has_idle_cameras) notes.emplace_back("has no camera; one that shows the whole model is added");
     if (model.has_camera && options.view != ModelView::kThreeQuarter) notes.emplace_back("has a camera: --view changes nothing");
-    if (!model.has_camera) model.scene.camera = framing(points, model.scene.film, options);
+    if (model.has_camera && !options.stage) notes.emplace_back("has a camera, and so no ground: --no-stage changes nothing");
+    if (!model.has_camera) {
+        FilmDescription& film = model.scene.film;
+        if (options.aspect)
+            film.height = static_cast<std::uint32_t>(std::clamp(std::lround(film.width / *options.aspect), 1L, kMaxSide));
+        model.scene.camera = framing(points, film, options);
+    }
     if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
     if (!options.sky.empty()) {
         Result<LightDescription> sky = sky_of(options.sky, white, options);

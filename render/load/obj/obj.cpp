@@ -196,8 +196,10 @@ class ObjReader {
                 statements_.warn(fmt::format("mtllib: {}; its materials are grey", text.error().message));
                 is_complete_ = false;
             } else if (!read_mtl(*text, name, mtl_, more)) {
-                statements_.warn(
-                    fmt::format("mtllib: {}: {}; its materials are grey", name, is_utf16(*text) ? kUtf16 : "is not an MTL file"));
+                statements_.warn(fmt::format("mtllib: {}: {}; its materials are grey", name,
+                                             is_utf16(*text)         ? kUtf16
+                                             : is_lfs_pointer(*text) ? kLfsPointer
+                                                                     : "is not an MTL file"));
                 is_complete_ = false;
             }
             read.merge(more);
