@@ -282,14 +282,26 @@ TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {
 }
 
 TEST_F(Obj, NormalMapsAreReadAlsoWhereTheyAreCalledBumps) {
-    testing::write_exr(folder_ / "normals.exr", 1, 1, {0.2140f, 0.2140f, 1});  // 0.5 0.5 1, as a picture of colours is read
-    testing::write_exr(folder_ / "heights.exr", 1, 1, {0.5f, 0.5f, 0.5f});
+    folder_.write("normals.ppm", std::string("P6\n1 1\n255\n") + "\x80\x80\xFF");
+    folder_.write("srgb.ppm", std::string("P6\n1 1\n255\n") + "\xC0\xC0\xF7");
+    testing::write_exr(folder_ / "normals.exr", 1, 1, {0.5f, 0.5f, 1});
     for (const char* keyword : {"norm", "bump", "map_Bump"}) {
-        const MaterialDescription m = material(std::string(keyword) + " -bm 0.5 normals.exr\n");
-        EXPECT_NE(m.normal_map, kNone) << keyword;
-        EXPECT_EQ(m.normal_scale, 0.5f);
+        for (const char* name : {"normals.ppm", "normals.exr", "srgb.ppm"}) {
+            folder_.write("m.mtl", fmt::format("newmtl m\n{} -bm 0.5 {}\n", keyword, name));
+            const SceneDescription scene = load("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").description;
+            const MaterialDescription& m = scene.materials.at(scene.shapes.at(0).material);
+            ASSERT_NE(m.normal_map, kNone) << keyword << name;
+            EXPECT_EQ(m.normal_scale, 0.5f);
+            // "norm" says what it is; of a bump, its colours say it.
+            const bool is_srgb = std::string_view(name) == "srgb.ppm" && std::string_view(keyword) != "norm";
+            EXPECT_EQ(scene.textures.at(m.normal_map).picture.is_srgb, is_srgb) << keyword << name;
+        }
     }
-    EXPECT_EQ(material("bump heights.exr\n").normal_map, kNone);
+    // Grey heights, bluish stone, a blue sky.
+    for (const char* pixel : {"\x80\x80\x80", "\xFF\xFF\xFF", "\x60\x70\x90", "\x40\x90\xFF"}) {
+        folder_.write("heights.ppm", std::string("P6\n1 1\n255\n") + pixel);
+        EXPECT_EQ(material("bump heights.ppm\n").normal_map, kNone) << pixel;
+    }
 }
 
 // Some programs mean by Tr what d is.

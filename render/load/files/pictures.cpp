@@ -135,6 +135,24 @@ Result<AlphaUse> alpha_use(const std::filesystem::path& path, const std::string&
     return AlphaUse::kOpacity;
 }
 
+NormalUse normal_use(const std::filesystem::path& path, const std::string& in_messages) {
+    constexpr double kNear = 0.15;
+    const auto is_near = [&](bool is_srgb) {
+        const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+        if (!pictures) return false;
+        const Result<image::WholePicture> whole = (*pictures)->read(path.string(), in_messages, {.is_srgb = is_srgb});
+        if (!whole || whole->info.channels < 3) return false;
+        std::array<double, 3> sum{};
+        for (std::size_t i = 0; i < whole->values.size(); i += whole->info.channels) {
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(whole->values[i + c]);
+        }
+        const double pixels = static_cast<double>(whole->info.width) * whole->info.height;
+        return std::abs(sum[0] / pixels - 0.5) < kNear && std::abs(sum[1] / pixels - 0.5) < kNear &&
+               sum[2] / pixels > 1 - 2 * kNear;
+    };
+    return is_near(false) ? NormalUse::kAsStored : is_near(true) ? NormalUse::kAsSrgb : NormalUse::kNothing;
+}
+
 double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor) {
     const auto& row = color::RgbSpace::srgb().luminance_row;
     double sum = 0;

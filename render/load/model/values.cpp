@@ -61,9 +61,9 @@ Result<std::optional<AreaLightDescription>> ModelValues::emission(std::optional<
     return std::optional(std::move(out));
 }
 
-std::uint32_t ModelValues::normal_map(TextureDescription picture) {
+std::uint32_t ModelValues::normal_map(TextureDescription picture, bool is_srgb) {
     picture.kind = TextureKind::kNormalMap;
-    picture.picture.is_srgb = false;
+    picture.picture.is_srgb = is_srgb;
     return add(std::move(picture));
 }
 

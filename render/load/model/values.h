@@ -27,8 +27,8 @@ class ModelValues {
     FloatInput largest(std::optional<TextureDescription> picture, const LinearRgb& factor);
     // What a surface emits: nothing if it is black everywhere. Errors: those of read_picture.
     Result<std::optional<AreaLightDescription>> emission(std::optional<TextureDescription> picture, const LinearRgb& factor);
-    // The index of the texture.
-    std::uint32_t normal_map(TextureDescription picture);
+    // The index of the texture. `is_srgb`: its normals are encoded as if they were colours.
+    std::uint32_t normal_map(TextureDescription picture, bool is_srgb = false);
     // From `low` to `high` as `value` goes from 0 to 1.
     FloatInput between(double low, double high, const FloatInput& value);
     // The same of colours, at a `share` of the way.

@@ -69,17 +69,6 @@ double metal_share(const MtlBlock& b, const LinearRgb& kd) {
     return signs[1];
 }
 
-// Whether a picture's colours are directions near (0, 0, 1): normal maps are found under "bump", too.
-bool is_normal_map(const PictureDescription& picture) {
-    const Result<LoadedPicture> read = read_picture(picture.path, picture.name);
-    if (!read || read->image.rgb.empty()) return false;
-    std::array<double, 3> mean{};
-    const std::vector<float>& rgb = read->image.rgb;
-    for (std::size_t i = 0; i < rgb.size(); ++i) mean[i % 3] += static_cast<double>(rgb[i]) * 3 / static_cast<double>(rgb.size());
-    const auto is_middle = [](double x) { return x > 0.13 && x < 0.32; };  // 0.4 to 0.6, decoded
-    return is_middle(mean[0]) && is_middle(mean[1]) && mean[2] > 0.5;
-}
-
 class Describer {
  public:
     Describer(const MtlBlock& block, const MtlTarget& target)
@@ -182,11 +171,14 @@ class Describer {
         const bool is_bump = normals == b.maps.end() && bump != b.maps.end();
         if (normals == b.maps.end() && !is_bump) return;
         const MtlMap& map = is_bump ? bump->second : normals->second;
-        if (is_bump && !is_normal_map(map.texture.picture))
+        // Normal maps are found under "bump", too.
+        const PictureDescription& file = map.texture.picture;
+        const NormalUse use = is_bump ? normal_use(file.path, file.name) : NormalUse::kAsStored;
+        if (use == NormalUse::kNothing)
             return target_.diagnostics.warn_of_kind(
                 "bump", b.place,
                 fmt::format("{}: bump: is ignored{}", b.name, why_unread(SceneLanguage::kObj, "materials", "bump")));
-        surface.normal_map = values_.normal_map(map.texture);
+        surface.normal_map = values_.normal_map(map.texture, use == NormalUse::kAsSrgb);
         surface.normal_scale = static_cast<float>(map.strength);
         surface.normals_follow_v = true;
     }
