@@ -584,7 +584,7 @@ def principled_anisotropic():
     on_show(principled(Base_Color=(0.9, 0.6, 0.3, 1), Metallic=1.0, Roughness=0.4, Anisotropic=0.8)[0])
 
 
-@feature(2, "Cycles 4 and later give back the light that is lost between facets" if NEW else "", kind="ball")
+@feature(2, kind="ball")
 def glossy_anisotropic():
     on_show(material("BsdfGlossy" if NEW else "BsdfAnisotropic", Color=(0.9, 0.6, 0.3, 1), Roughness=0.4, Anisotropy=0.6)[0])
 
@@ -592,6 +592,29 @@ def glossy_anisotropic():
 @feature(5, kind="ball")
 def principled_glass():
     on_show(principled(Base_Color=(1, 1, 1, 1), Transmission=1.0, Roughness=0.0, IOR=1.45)[0])
+
+
+@feature(5, "light that passes coloured glass several times has a spectrum, not three numbers", kind="ball")
+def principled_glass_coloured():
+    on_show(principled(Base_Color=(0.8, 0.5, 0.3, 1), Transmission=1.0, Roughness=0.0, IOR=1.45)[0])
+
+
+def between_facets(name, **inputs):
+    """With light that goes from facet to facet."""
+
+    def build():
+        made, _, node = principled(**inputs)
+        node.distribution = "MULTI_GGX"
+        on_show(made)
+
+    build.__name__ = f"between_facets_{name}"
+    feature(5, kind="ball")(build)
+
+
+for tenths in (3, 6, 10):
+    between_facets(f"metal_{tenths / 10}", Base_Color=(0.9, 0.6, 0.3, 1), Metallic=1.0, Roughness=tenths / 10)
+for tenths in (3, 8):
+    between_facets(f"glass_{tenths / 10}", Base_Color=(1, 1, 1, 1), Transmission=1.0, Roughness=tenths / 10, IOR=1.45)
 
 
 @feature(5, "the diffuse part is Lambert's in Latent, Burley's in 3.4", kind="ball")

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "render/bsdf/schlick_albedo.h"
 
 namespace latent::render {
 
@@ -38,6 +41,16 @@ void Conductor::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Samp
     }
     value *= fresnel_conductor(abs_dot(w, m), *eta_, *k_);
     value *= facets_.density(m) * facets_.masking_shadowing(w, w_light) / (4 * std::abs(w.z));
+    if (!multiscatter_) return;
+    const FacetGain gain(facets_.mean_alpha());
+    const float gained = gain(std::abs(w.z), std::abs(w_light.z));
+    value *= spectrum_of([&](std::uint32_t i) {
+        float mean = 0;  // integral of 2 c F(c), by Gauss's rule of 3 points in c^2
+        for (const auto& [c, weight] :
+             {std::pair(0.3357106870f, 5 / 18.0f), {0.7071067812f, 8 / 18.0f}, {0.9419966408f, 5 / 18.0f}})
+            mean += weight * fresnel_conductor(c, eta_->v[i], k_->v[i]);
+        return 1 + gain.returned(mean) * gained;
+    });
 }
 
 float Conductor::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {

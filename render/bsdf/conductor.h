@@ -8,7 +8,8 @@
 
 namespace latent::render {
 
-// A retro-reflecting one does to light what it would do to light from the opposite side of the normal [R06 9.6].
+// A retro-reflecting one does to light what it would do to light from the opposite side of the normal [R06 9.6]. With
+// `multiscatter`, light that is reflected by several facets is there, too (FacetGain).
 class Conductor {
  public:
     static constexpr std::string_view kName = "conductor";
@@ -18,20 +19,23 @@ class Conductor {
                                            Input{.name = "reflectance", .may_be_missing = true},
                                            Input::alpha("alpha_x"),
                                            Input::alpha("alpha_y"),
-                                           Input::option("retro", 0)};
+                                           Input::option("retro", 0),
+                                           Input::option("multiscatter", 0)};
     static constexpr bool kTransmits = false;
 
     explicit Conductor(const Values<Conductor>& v)
         : eta_(v.find("eta")),
           k_(v.find("k")),
           facets_(Microfacets::of_alpha(v.number("alpha_x"), v.number("alpha_y"))),
-          retro_(v.option("retro") != 0) {
+          retro_(v.option("retro") != 0),
+          multiscatter_(v.option("multiscatter") != 0) {
         if (const SampledSpectrum* r = v.find("reflectance")) reflect(*r, v.site.spectra);
     }
     static bool is_isotropic(const Values<Conductor>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
     // Its complex index is eta + i k in each wavelength.
-    Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y, bool retro = false)
-        : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), retro_(retro) {}
+    Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y, bool retro = false,
+              bool multiscatter = false)
+        : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), retro_(retro), multiscatter_(multiscatter) {}
 
     // The same metal beside matter of index `eta` instead of beside air.
     Conductor beneath(const SampledSpectrum& eta, SampledSpectra& spectra) const;
@@ -54,7 +58,7 @@ class Conductor {
     const SampledSpectrum* eta_;
     const SampledSpectrum* k_;
     Microfacets facets_;
-    bool retro_ = false;
+    bool retro_ = false, multiscatter_ = false;
 };
 
 }  // namespace latent::render

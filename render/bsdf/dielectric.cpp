@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/bsdf/fresnel.h"
+#include "render/sampling/warp.h"
 
 namespace latent::render {
 namespace {
@@ -34,7 +35,7 @@ float Dielectric::probability(const Vec3f& w, float c) const {
 
 // Reflection F D G / (4 |cos cos|); transmission (1 - F) D G |camera.m light.m| / (|cos cos| (light.m + camera.m / eta)^2 eta^2),
 // eta the index on light's side over that on the camera's [WMLT07]; the last factor is the compression of radiance.
-void Dielectric::multiply_f_cos(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
+void Dielectric::multiply_once(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
     const Vec3f w_camera = brushing_.to_facets(camera), w_light = brushing_.to_facets(light);
     const bool same_side = w_camera.z * w_light.z > 0;
     const float eta = same_side ? 1 : across(w_camera, eta_kept_);
@@ -59,7 +60,24 @@ void Dielectric::multiply_f_cos(const Vec3f& camera, const Vec3f& light, Sampled
     }
 }
 
-float Dielectric::pdf_omega(const Vec3f& out, const Vec3f& in) const {
+void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
+    SampledSpectrum further = value;
+    multiply_once(w_camera, w_light, value);
+    if (!multiscatter_) return;
+    const bool same_side = w_camera.z * w_light.z > 0;
+    const float eta = same_side ? 1 : across(w_camera, eta_kept_);
+    further *= lost().f_cos(w_camera, w_light) / (eta * eta);
+    if (!same_side && transmittance_ != nullptr) further *= *transmittance_;
+    value += further;
+}
+
+float Dielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
+    if (!multiscatter_) return pdf_once(wo, wi);
+    const LostInGlass::Shares lost = this->lost()(wo);
+    return (1 - lost.sum()) * pdf_once(wo, wi) + lost.towards(wo.z * wi.z > 0) * kInvPi * std::abs(wi.z);
+}
+
+float Dielectric::pdf_once(const Vec3f& out, const Vec3f& in) const {
     const Vec3f wo = brushing_.to_facets(out), wi = brushing_.to_facets(in);
     const bool same_side = wo.z * wi.z > 0;
     const float eta = across(wo, eta_kept_);
@@ -73,6 +91,17 @@ float Dielectric::pdf_omega(const Vec3f& out, const Vec3f& in) const {
 // Reflection with probability F, refraction else.
 bool Dielectric::sample(const Vec3f& w, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
     if (is_delta()) return sample_smooth(w, u_lobe, out, weight);
+    if (multiscatter_) {
+        const LostInGlass::Shares lost = this->lost()(w);
+        if (u_lobe < lost.sum()) {
+            const bool reflected = u_lobe < lost.reflected;
+            out.wi = sample_cosine_hemisphere(u, v);
+            if (reflected != (w.z > 0)) out.wi.z = -out.wi.z;
+            if (!reflected) out.eta2 = across(w, eta_kept_) * across(w, eta_kept_);
+            return out.wi.z != 0;
+        }
+        u_lobe = std::min((u_lobe - lost.sum()) / (1 - lost.sum()), 1 - 0x1p-24f);
+    }
     const Vec3f wo = brushing_.to_facets(w);
     const Vec3f m = facets_.sample_visible(wo, u, v);
     const float eta = across(wo, eta_kept_);

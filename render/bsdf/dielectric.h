@@ -4,6 +4,7 @@
 
 #include "render/bsdf/brushing.h"
 #include "render/bsdf/closure.h"
+#include "render/bsdf/lost_in_glass.h"
 #include "render/bsdf/microfacet.h"
 #include "render/bsdf/thin_film.h"
 
@@ -12,23 +13,26 @@ namespace latent::render {
 class Dielectric {
  public:
     static constexpr std::string_view kName = "dielectric";
-    static constexpr std::array kInputs = joined(std::array{Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
-                                                            Input{.name = "transmittance", .may_be_missing = true}},
-                                                 joined(Brushing::kInputs, ThinFilm::kInputs));
+    static constexpr std::array kInputs =
+        joined(std::array{Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
+                          Input{.name = "transmittance", .may_be_missing = true}},
+               joined(joined(Brushing::kInputs, ThinFilm::kInputs), std::array{Input::option("multiscatter", 0)}));
     static constexpr bool kTransmits = true;
 
     explicit Dielectric(const Values<Dielectric>& v)
         : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y"),
-                     v.find("transmittance"), ThinFilm::of(v), &v.site.spectra.wavelengths, Brushing::of(v)) {}
+                     v.find("transmittance"), ThinFilm::of(v), &v.site.spectra.wavelengths, Brushing::of(v),
+                     v.option("multiscatter") != 0) {}
     static bool is_isotropic(const Values<Dielectric>& v) {
         return v.number("alpha_x") == v.number("alpha_y") && !Brushing::is_there(v);
     }
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
     // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes. What is refracted is
     // multiplied by `transmittance`, if there is one. A `film` lies on the front side, in air; it is evaluated at `wavelengths`.
+    // With `multiscatter`, light that meets several facets is there, too (LostInGlass), unless there is a film.
     Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y,
                const SampledSpectrum* transmittance = nullptr, const ThinFilm& film = {}, const Wavelengths* wavelengths = nullptr,
-               const Brushing& brushing = {})
+               const Brushing& brushing = {}, bool multiscatter = false)
         : eta_(&eta),
           transmittance_(transmittance),
           film_(film),
@@ -37,7 +41,8 @@ class Dielectric {
           eta_kept_(eta[kept]),
           brushing_(brushing),
           facets_(Microfacets::of_alpha(brushing.alpha_along(alpha_x), alpha_y)),
-          dispersive_(dispersive) {}
+          dispersive_(dispersive),
+          multiscatter_(multiscatter && film.share == 0) {}
 
     bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_ && film_.share == 0); }
     SampledSpectrum albedo() const { return transmittance_ ? *transmittance_ : SampledSpectrum(1.0f); }
@@ -47,6 +52,10 @@ class Dielectric {
     bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
+    // What a single facet does.
+    void multiply_once(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
+    float pdf_once(const Vec3f& wo, const Vec3f& wi) const;
+    LostInGlass lost() const { return {eta_kept_, facets_.mean_alpha()}; }
     bool sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, SampledSpectrum& weight) const;
     // For light that meets a facet at cosine c from the side of w: in one wavelength, in each, and how often it is drawn.
     float reflectance(const Vec3f& w, float c, std::uint32_t lane) const;
@@ -60,7 +69,7 @@ class Dielectric {
     float eta_kept_;
     Brushing brushing_;
     Microfacets facets_;
-    bool dispersive_;
+    bool dispersive_, multiscatter_;
 };
 
 }  // namespace latent::render

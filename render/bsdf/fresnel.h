@@ -45,6 +45,9 @@ inline float schlick_rise(float c) {
     return x2 * x2 * x;
 }
 
+// The mean of Schlick's reflectance, f0 to f90: integral of 2 c F(c).
+inline float schlick_mean(float f0, float f90) { return f0 + (f90 - f0) / 21; }
+
 // Direction that `w` (towards the light or the camera, on the side of unit normal n) is refracted to, `eta` the index of the other
 // side over that of w's side. False: total reflection.
 inline bool refract(const Vec3f& w, const Vec3f& n, float eta, Vec3f& out) {

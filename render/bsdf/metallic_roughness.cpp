@@ -19,9 +19,6 @@ Microfacets facets_of(float alpha, const Brushing& brushing = {}) {
     return {std::max(brushing.alpha_along(alpha), MetallicRoughness::kMinAlpha), std::max(alpha, MetallicRoughness::kMinAlpha)};
 }
 
-// Whose albedo is about that of the facets.
-float mean_alpha(const Microfacets& facets) { return 0.5f * (facets.alpha_x + facets.alpha_y); }
-
 // D G / (4 |a.z| |b.z|), for the half vector m.
 float facets_over_cosines(const Microfacets& facets, const Vec3f& a, const Vec3f& b, const Vec3f& m) {
     return facets.density(m) * facets.masking_shadowing(a, b) / (4 * std::abs(a.z * b.z));
@@ -38,25 +35,27 @@ MetallicRoughness::MetallicRoughness(const Values<MetallicRoughness>& v)
                          .coat = v.number("coat"),
                          .coat_alpha = alpha_of(v.number("coat_roughness")),
                          .brushing = Brushing::of(v),
-                         .film = ThinFilm::of(v)},
+                         .film = ThinFilm::of(v),
+                         .multiscatter = v.option("multiscatter") != 0},
                         v.find("specular_color"), &v.site.spectra) {}
 
 MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Parameters& p, const SampledSpectrum* specular_color,
                                      SampledSpectra* spectra)
     : base_(&base),
       specular_color_(specular_color),
+      multiscatter_(p.multiscatter && p.film.share == 0),
       brightest_(base.max()),
       metallic_(p.metallic),
       f0_(p.f0),
       f90_(p.f90),
       coat_(p.coat),
-      alpha_(mean_alpha(facets_of(p.alpha, p.brushing))),
+      alpha_(facets_of(p.alpha, p.brushing).mean_alpha()),
       brushing_(p.brushing),
       facets_(facets_of(p.alpha, p.brushing)),
       coat_facets_(facets_of(p.coat_alpha)),
-      metal_albedo_(brightest_, 1, alpha_),
-      albedo_(specular_color != nullptr ? p.f0 * specular_color->max() : p.f0, p.f90, alpha_),
-      min_albedo_(specular_color != nullptr ? p.f0 * std::ranges::min(specular_color->v) : p.f0, p.f90, alpha_),
+      metal_albedo_(brightest_, 1, alpha_, multiscatter_),
+      albedo_(specular_color != nullptr ? p.f0 * specular_color->max() : p.f0, p.f90, alpha_, multiscatter_),
+      min_albedo_(specular_color != nullptr ? p.f0 * std::ranges::min(specular_color->v) : p.f0, p.f90, alpha_, multiscatter_),
       coat_albedo_(kCoatF0, 1, coat_facets_.alpha_x) {
     if (p.film.share > 0) filmed_ = &spectra->store(filmed(p.film, spectra->wavelengths));
 }
@@ -107,6 +106,20 @@ SampledSpectrum MetallicRoughness::filmed_surface(float mu, float mu_light, floa
     });
 }
 
+SampledSpectrum MetallicRoughness::multiscatter_surface(float mu, float mu_light, float c, float d) const {
+    const FacetGain gain(alpha_);
+    const float gained = gain(mu, mu_light), rise = schlick_rise(c);
+    const auto reflected = [&](float f0, float f90) {
+        return d * (f0 + (f90 - f0) * rise) * (1 + gain.returned(schlick_mean(f0, f90)) * gained);
+    };
+    return spectrum_of([&](std::uint32_t i) {
+        const float f0 = f0_ * (specular_color_ != nullptr ? specular_color_->v[i] : 1);
+        const SchlickAlbedo e = specular_color_ != nullptr ? SchlickAlbedo(f0, f90_, alpha_, true) : albedo_;
+        const float body = base_->v[i] * kInvPi * (1 - e(mu)) * (1 - e(mu_light)) / std::max(1 - e.mean(), 1e-6f);
+        return (1 - metallic_) * (body + reflected(f0, f90_)) + metallic_ * reflected(base_->v[i], 1);
+    });
+}
+
 void MetallicRoughness::multiply_f_cos(const Vec3f& camera, const Vec3f& light, SampledSpectrum& value) const {
     const Vec3f w_camera = brushing_.to_facets(camera), w_light = brushing_.to_facets(light);
     const float mu = std::abs(w_camera.z), mu_light = std::abs(w_light.z);
@@ -128,8 +141,9 @@ void MetallicRoughness::multiply_f_cos(const Vec3f& camera, const Vec3f& light, 
         times_base += metallic_ * (1 - rise) * d;
         constant = (metallic_ * rise + (1 - metallic_) * (f0_ + (f90_ - f0_) * rise)) * d;
     }
-    if (filmed_ != nullptr) {
-        const SampledSpectrum surface = filmed_surface(mu, mu_light, c, d);
+    if (filmed_ != nullptr || multiscatter_) {
+        const SampledSpectrum surface =
+            multiscatter_ ? multiscatter_surface(mu, mu_light, c, d) : filmed_surface(mu, mu_light, c, d);
         value *= spectrum_of([&](std::uint32_t i) { return below * surface.v[i] * mu_light + coat_cos; });
         return;
     }

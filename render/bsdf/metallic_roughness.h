@@ -17,7 +17,8 @@ namespace latent::render {
 //       + coat f_coat
 // Reciprocal while the coat's normal is that of the surface; a white dielectric returns all it gets. The same from both sides.
 // Below the coat, a thin film may lie on both the metal and the dielectric: its reflectance then counts instead of Schlick's, in
-// the share that it covers. What belongs to the coat is measured from its own normal, cosines too.
+// the share that it covers. What belongs to the coat is measured from its own normal, cosines too. With `multiscatter`, the facets
+// of metal and dielectric have a FacetGain, unless there is a film.
 class MetallicRoughness {
  public:
     static constexpr std::string_view kName = "metallicroughness";
@@ -26,7 +27,7 @@ class MetallicRoughness {
         joined(std::array{Input::reflectance("base_color"), Input::number("roughness", 1, 0, 1), Input::number("metallic", 0, 0, 1),
                           Input::number("f0", 0.04f, 0, 1), Input::number("f90", 1, 0, 1), Input::number("coat", 0, 0, 1),
                           Input::number("coat_roughness", 0, 0, 1), Input{.name = "specular_color", .may_be_missing = true}},
-               joined(Brushing::kInputs, ThinFilm::kInputs));
+               joined(joined(Brushing::kInputs, ThinFilm::kInputs), std::array{Input::option("multiscatter", 0)}));
     static constexpr bool kTransmits = false;
 
     struct Parameters {
@@ -35,6 +36,7 @@ class MetallicRoughness {
         float coat = 0, coat_alpha = 0;  // coat: the share of the surface that it covers
         Brushing brushing{};
         ThinFilm film{};
+        bool multiscatter = false;
     };
     // Facets are never smoother than kMinAlpha: a mirror would leave the rest of the surface undrawn.
     static constexpr float kMinAlpha = 0.002f;
@@ -82,8 +84,10 @@ class MetallicRoughness {
     SampledSpectrum filmed_albedo(const FacetWeights& weights) const;
     // What lies below the coat, f without the base's cosine. c: at the facets; d: D G / (4 cos cos), 0 if there are none between.
     SampledSpectrum filmed_surface(float mu, float mu_light, float c, float d) const;
+    SampledSpectrum multiscatter_surface(float mu, float mu_light, float c, float d) const;
 
     const SampledSpectrum *base_, *specular_color_;
+    bool multiscatter_;
     float brightest_, metallic_, f0_, f90_, coat_, alpha_;  // alpha: of isotropic facets of the same albedo, about
     Brushing brushing_;
     const Filmed* filmed_ = nullptr;

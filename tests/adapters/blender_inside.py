@@ -158,6 +158,44 @@ render()
 check("a group without an end is black", picture().max() < 3e-3 and engine.last["lost"] == [], picture().max(), engine.last["lost"])
 tree.links.remove(link)
 
+plain = tree.nodes.new("ShaderNodeValue")
+plain.outputs[0].default_value = 0.1
+link = tree.links.new(plain.outputs[0], matt.inputs["Color"])
+link.is_muted = True
+render()
+check("so does a muted link", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3) and engine.last["lost"] == [], picture().mean((0, 1)), expected)
+tree.links.remove(link)
+
+# Numbers that Cycles clamps are clamped, and listed.
+bright = tree.nodes.new("ShaderNodeBsdfPrincipled")
+tree.links.new(bright.outputs[0], output.inputs["Surface"])
+for name in ("Metallic", "Roughness"):
+    for number, within in ((3.0, 1.0), (-1.0, 0.0)):
+        plain.outputs[0].default_value = within
+        link = tree.links.new(plain.outputs[0], bright.inputs[name])
+        render()
+        known = picture()
+        plain.outputs[0].default_value = number
+        render()
+        check(f"{name} of {number} is {within}", np.array_equal(picture(), known) and len(engine.last["lost"]) == 1 and name.lower() in engine.last["lost"][0], engine.last["lost"])
+        tree.links.remove(link)
+
+# Facets of other distributions are listed; light between facets is not lost where Blender gives it back.
+glossy = tree.nodes.new("ShaderNodeBsdfAnisotropic" if bpy.app.version >= (4, 0, 0) else "ShaderNodeBsdfGlossy")
+glossy.inputs["Color"].default_value, glossy.inputs["Roughness"].default_value = (1, 1, 1, 1), 1.0
+tree.links.new(glossy.outputs[0], output.inputs["Surface"])
+power, sun.data.energy, seen = sun.data.energy, 0.0, {}
+for kind in ("GGX", "MULTI_GGX", "BECKMANN"):
+    glossy.distribution = kind
+    render()
+    seen[kind] = picture().mean((0, 1))
+    check(f"{kind} is listed or not", any("distribution" in line for line in engine.last["lost"]) == (kind == "BECKMANN"), engine.last["lost"])
+sun.data.energy = power
+check("a white mirror of many facets returns the light of the sky", np.allclose(seen["MULTI_GGX"], (0.1, 0.2, 0.3), rtol=2e-2) and (seen["GGX"] < 0.9 * seen["MULTI_GGX"]).all(), seen)
+tree.nodes.remove(glossy)
+tree.nodes.remove(bright)
+tree.nodes.remove(plain)
+
 # A colour above 1 is 1, and is listed by the name of the material.
 for kind in ("BsdfDiffuse", "BsdfPrincipled", "BsdfGlossy", "BsdfGlass", "BsdfTransparent", "SubsurfaceScattering"):
     bright = tree.nodes.new(f"ShaderNode{kind}")

@@ -181,6 +181,8 @@ class Jobs(unittest.TestCase):
             self.assertEqual(job.Job(folder, "frame").samples, second.samples)
             self.assertIn("back to an earlier job", self.begin(folder, "A", {"lamp Key": "1", "world": "2"})[1])
             self.assertEqual(job.old(folder), [])
+            word = self.begin(folder, "A", {"lamp Key": "1", "world": "2"}, ["--light-groups", "--clamp", "3"])[1]
+            self.assertIn("new job: light groups, --clamp changed", word)
 
     def test_missing_samples_are_said_to_be_added_only_where_some_are_missing(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -29,7 +29,12 @@ TEST_F(MaterialTest, EveryTypeOfThePbrtFormatIsMadeOfInputsOfItsClosure) {
     const Bytes metal = testing::MeasuredFile(testing::measured({.side = 2, .directions = 2})).bytes();
     folder.write("metal.bsdf", {reinterpret_cast<const char*>(metal.data()), metal.size()});
     std::vector<std::string> texts = {fmt::format(R"("measured" "string filename" "{}")", (folder / "metal.bsdf").string()),
-                                      R"("phong" "string latent:lobe" "retro")", R"("conductor" "string latent:lobe" "retro")",
+                                      R"("phong" "string latent:lobe" "retro")",
+                                      R"("conductor" "string latent:lobe" "retro")",
+                                      R"("conductor" "bool latent:multiscatter" true)",
+                                      R"("dielectric" "bool latent:multiscatter" true)",
+                                      R"("latent:principled" "bool multiscatter" true "float transmission" 0.5)",
+                                      R"("latent:principled" "bool multiscatter" true "rgb sheen" [0.5 0.5 0.5])",
                                       R"("coateddiffuse" "spectrum albedo" [360 0.5 830 0.5])",
                                       R"("hair" "spectrum reflectance" [360 0.5 830 0.5])"};
     for (const std::string_view type : material_types()) {

@@ -96,6 +96,7 @@ inline std::vector<Example<Conductor>> examples() {
     return {{.name = "alpha 0.3", .scatters = metal(0.3f, 0.3f)},
             {.name = "alpha 0.1 x 0.5", .scatters = metal(0.1f, 0.5f)},
             {.name = "alpha 0.8", .scatters = metal(0.8f, 0.8f)},
+            {.name = "alpha 0.8, multiscatter", .scatters = Conductor(values().eta, values().k, 0.8f, 0.8f, false, true)},
             {.name = "mirror", .scatters = metal(0, 0)},
             {.name = "retro, alpha 0.1 x 0.4", .scatters = Conductor(values().eta, values().k, 0.1f, 0.4f, true)},
             {.name = "retro mirror", .scatters = Conductor(values().eta, values().k, 0, 0, true)}};
@@ -121,6 +122,9 @@ inline std::vector<Example<Dielectric>> examples() {
             {.name = "alpha 0.3, under a film", .scatters = filmed(0.3f), .eta = 1.5},
             {.name = "alpha 0.2, brushed",
              .scatters = Dielectric(values().glass, false, 3, 0.2f, 0.2f, nullptr, {}, nullptr, {0.7f, {0.6f, 0.8f}}),
+             .eta = 1.5},
+            {.name = "alpha 0.6, multiscatter, tinted",
+             .scatters = Dielectric(values().glass, false, 3, 0.6f, 0.6f, &values().falling, {}, nullptr, {}, true),
              .eta = 1.5}};
 }
 
@@ -161,6 +165,11 @@ inline std::vector<Example<MetallicRoughness>> examples() {
         {.name = "brushed metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.1f, .brushing = {0.7f, {0.6f, 0.8f}}})},
         {.name = "brushed plastic under a coat",
          .scatters = M(v.white, {.alpha = 0.3f, .f0 = 0.3f, .coat = 0.5f, .coat_alpha = 0.2f, .brushing = {0.5f, {0, 1}}})},
+        {.name = "metal, multiscatter", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.8f, .multiscatter = true})},
+        {.name = "coated blend with a coloured mirror, multiscatter",
+         .scatters =
+             M(v.falling, {.metallic = 0.4f, .alpha = 0.6f, .f0 = 0.4f, .coat = 0.5f, .coat_alpha = 0.1f, .multiscatter = true},
+               &v.rising)},
         {.name = "white under oil", .scatters = M(v.white, {.alpha = 0.3f, .film = oil}, nullptr, &sampled())},
         {.name = "white under oxide, smooth", .scatters = M(v.white, {.alpha = 0.04f, .film = oxide}, nullptr, &sampled())},
         {.name = "metal under oxide", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.2f, .film = oxide}, nullptr, &sampled())},

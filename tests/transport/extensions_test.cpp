@@ -143,6 +143,11 @@ TEST(Extensions, PathAndBdptMakeOnePicture) {
           "Translate .9 0 0\nMaterial \"conductor\" \"string latent:lobe\" \"retro\" \"float roughness\" 0\n"
           "Shape \"sphere\" \"float radius\" .4\nTranslate -.9 0 0\nMaterial \"diffuse\"\n" +
               lamp + "5\n" + disk,
+          "Material \"dielectric\" \"bool latent:multiscatter\" true \"float roughness\" .6\nShape \"sphere\" \"float radius\" .4\n"
+          "Translate .9 0 0\nMaterial \"latent:principled\" \"bool multiscatter\" true \"float metallic\" 1 \"float roughness\" "
+          ".8\n"
+          "Shape \"sphere\" \"float radius\" .4\nTranslate -.9 0 0\nMaterial \"diffuse\"\n" +
+              lamp + "5\n" + disk,
           mirror + matt +
               "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"rgb latent:amount\" [.9 .5 .2]\n"
               "Shape \"sphere\" \"float radius\" .4\nMaterial \"diffuse\"\n" +

@@ -21,6 +21,19 @@ def options(settings, aperture, moves):
     return words + (["--aov", ",".join(aovs)] if aovs else []) + settings.render_options.split()
 
 
+NAMES = {"--record": "records", "--seed": "seed", "--light-groups": "light groups", "--aov": "passes"}
+
+
+def parts_of(words):
+    """Each option, by its name in the panel, and its value."""
+    parts, name = {}, ""
+    for word in words:
+        if word.startswith("--"):
+            name = NAMES.get(word, word)
+        parts[name] = f"{parts.get(name, '')} {word}"
+    return parts
+
+
 class Job:
     """The last job of a frame, as its note tells it."""
 
@@ -33,7 +46,7 @@ class Job:
         """Takes the place of the last job. `wanted`: samples per pixel. Returns what will happen: a line for the user."""
         digest = digest.copy()
         digest.update("\0".join(words).encode())
-        last, key, parts = self.note, digest.hexdigest()[:12], {**parts, "options": " ".join(words)}
+        last, key, parts = self.note, digest.hexdigest()[:12], {**parts, **parts_of(words)}
         self.samples = os.path.join(os.path.dirname(self.path), f"{self.name}-{key}.latent")
         there = os.path.exists(self.samples)
         done = (last or {}).get("done", {})  # samples per pixel, by key
@@ -65,7 +78,7 @@ class Job:
     @property
     def has_lights(self):
         """Whether the light of each lamp is kept apart."""
-        return "--light-groups" in self.note["parts"]["options"].split()
+        return NAMES["--light-groups"] in self.note["parts"]
 
     def develop(self, program, picture, words, layers=(), stop=lambda: False):
         """A picture by these options: its channels, and where it is. It is developed into `picture` unless F12 or the darkroom has done so."""

@@ -48,7 +48,7 @@ std::span<const PbrtFeature> pbrt_extensions() {
         {"Camera", {"latent:focaldistances", "latent:lensshift"}},
         {"LightSource", {"name", "latent:illuminant"}},
         {"AreaLightSource", {"name", "latent:exponent", "latent:illuminant"}},
-        {"Material", {"latent:amount", "latent:lobe"}},
+        {"Material", {"latent:amount", "latent:lobe", "latent:multiscatter"}},
         {"Texture", {"filter \"latent:quartic\""}},
         {"Medium", {"latent:media"}},
         {"any spectrum", {"latent:daylight"}},

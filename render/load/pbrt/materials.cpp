@@ -54,6 +54,13 @@ Part either(const std::string& name, const std::string& first, const std::string
     };
 }
 
+// A flag that is false by default.
+Part flag(const std::string& name, const std::string& input) {
+    return [=](const Reading& r) {
+        if (r.list.flag(name, false)) r.material.options[input] = 1;
+    };
+}
+
 // One of several reflectances that share the light (see `conserving`).
 Part share(const std::string& name, double otherwise) {
     return [=](const Reading& r) {
@@ -266,6 +273,7 @@ Part passing() {
             const FloatInput& rough = r.material.numbers.at("roughness");
             if (rough.is_textured()) r.list.error("roughness: of glass must be a number");
             glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;
+            if (!is_thin) glass.options = r.material.options;
             const Reading of_glass{r.list, r.textures, r.files, r.whole, glass};
             index("eta")(of_glass);
             r.whole.second = std::move(glass);
@@ -321,8 +329,9 @@ const std::vector<MaterialType>& types() {
         {"diffuse", {reflectance("reflectance", 0.5)}},
         {"phong", glossy(either("latent:lobe", "mirror", "retro", "retro"))},
         {"latent:phongtransmission", glossy(number("eta", 1, 1e-3, 1e3)), "phongtransmission"},
-        {"conductor", {metal(), roughness(), either("latent:lobe", "mirror", "retro", "retro")}},
-        {"dielectric", {index("eta"), roughness()}},
+        {"conductor",
+         {metal(), roughness(), either("latent:lobe", "mirror", "retro", "retro"), flag("latent:multiscatter", "multiscatter")}},
+        {"dielectric", {index("eta"), roughness(), flag("latent:multiscatter", "multiscatter")}},
         {"thindielectric", {index("eta")}},
         {"diffusetransmission",
          {share("reflectance", 0.25), share("transmittance", 0.25), constant("scale", 1, 0, 1e6),
@@ -335,7 +344,8 @@ const std::vector<MaterialType>& types() {
         {"measured", {measurement()}},
         {"latent:principled",
          {reflectance("color", 0.8, "base_color"), number("metallic", 0, 0, 1), number("roughness", 0.5, 0, 1), mirror(),
-          number("coat", 0, 0, 1), number("coatroughness", 0, 0, 1, "coat_roughness"), sheen(), passing(), film_and_direction()},
+          number("coat", 0, 0, 1), number("coatroughness", 0, 0, 1, "coat_roughness"), flag("multiscatter", "multiscatter"),
+          sheen(), passing(), film_and_direction()},
          "metallicroughness"},
         {"subsurface", {constant_index("eta", 1.33), roughness()}, "dielectric"},  // what is below: read_subsurface
     };

@@ -54,7 +54,12 @@ class Reader:
         return read(self, node)
 
     def set(self, name, kind, value):
-        return parameter(self.document, name, kind, value if kind == "float" else reflectance(value, self.graph.lost))
+        return parameter(self.document, name, kind, limited(value, "colour" if kind == "spectrum" else name, self.graph.lost))
+
+    def share(self, node, *names):
+        """A value between 0 and 1; None if the node has no such input."""
+        value = self.value(node, *names)
+        return value and limited(value, names[0].lower(), self.graph.lost)
 
     # What is added to a material of any type.
     def stretched(self, node, along, across, turns):
@@ -101,11 +106,23 @@ class Reader:
 # ----- shaders
 
 
-def reflectance(value, lost):
-    if not is_constant(value) or max(value.rgb) <= 1:
+def limited(value, what, lost):
+    if not is_constant(value) or 0 <= min(value.rgb) and max(value.rgb) <= 1:
         return value
-    lost("a colour above 1 is 1")
-    return each(lambda c: min(1.0, c), value)
+    lost(f"a {what} above 1 is 1" if max(value.rgb) > 1 else f"a {what} below 0 is 0")
+    return each(lambda c: min(1.0, max(0.0, c)), value)
+
+
+def reflectance(value, lost):
+    return limited(value, "colour", lost)
+
+
+def facets(reader, node, prefix=""):
+    """Parameters of their distribution."""
+    kind = getattr(node, "distribution", "GGX")
+    if kind in ("BECKMANN", "ASHIKHMIN_SHIRLEY"):
+        reader.graph.lost(f"the facets of {node.bl_label} have the distribution GGX")
+    return {f"bool {prefix}multiscatter": True} if kind == "MULTI_GGX" else {}
 
 
 def diffuse(reader, node):
@@ -136,18 +153,23 @@ def glossy(reader, node):
     if metal and is_constant(rough):
         if anisotropy:
             reader.graph.lost("the roughness of a measured metal has no direction")
-        return Surface(("conductor", {**metal, "float roughness": rough.number() ** 2, "bool remaproughness": False, **reader.relief(node)}))
+        return Surface(measured_metal(reader, node, metal, rough))
     most = min(1.0, max(color.rgb)) if is_constant(color) else 1.0
     if is_constant(color) and most > 0:
         color = each(lambda c: c / most, color)
     return Surface(("latent:principled", {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most,
-                                          **reader.set("specularcolor", "spectrum", color), **look, **reader.relief(node)}))
+                                          **reader.set("specularcolor", "spectrum", color), **look, **facets(reader, node), **reader.relief(node)}))
+
+
+def measured_metal(reader, node, metal, rough):
+    rough = limited(rough, "roughness", reader.graph.lost).number() ** 2
+    return "conductor", {**metal, "float roughness": rough, "bool remaproughness": False, **facets(reader, node, "latent:"), **reader.relief(node)}
 
 
 def glass(reader, node):
     rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.graph.constant(node, "Roughness")
     color = reader.value(node, "Color")
-    return Surface(("latent:principled", {"float transmission": 1.0, "float roughness": rough.number(), **reader.set("color", "spectrum", color),
+    return Surface(("latent:principled", {"float transmission": 1.0, **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node),
                                           **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
 
 
@@ -194,20 +216,25 @@ def principled(reader, node):
     if weight > 0:
         graph.lost("the subsurface scattering of a Principled BSDF is matt")
     below = base if is_new or weight == 0 else mix(base, reader.value(node, "Subsurface Color"), constant(weight))
+    transmission = reader.share(node, "Transmission Weight", "Transmission")
+    if is_new and is_constant(transmission) and transmission.number() > 0.5:  # light passes two surfaces
+        if is_constant(below):
+            below = each(lambda c: max(0.0, c) ** 0.5, below)
+        else:
+            graph.lost("a texture of its colour tints glass twice")
     parameters = reader.set("color", "spectrum", raised(below, second_loss(reader, node, is_new)))
     for name, names in PRINCIPLED.items():
-        value = reader.value(node, *names)
+        value = reader.share(node, *names)
         if value is not None:
             parameters |= reader.set(name, "float", value)
-    transmission = reader.value(node, "Transmission Weight", "Transmission")
     passes = not is_constant(transmission) or transmission.number() > 0
-    metallic = reader.value(node, "Metallic")
+    metallic = reader.share(node, "Metallic")
     if passes and not (is_constant(metallic) and (is_constant(transmission) or metallic.number() == 0)):
         graph.lost("transmission beside a texture of metallic is left out")
         parameters = {key: value for key, value in parameters.items() if key.split()[1] != "transmission"}
         passes = False
     if passes and parameters.pop("texture roughness", None):
-        parameters["float roughness"] = number("Roughness")
+        parameters |= reader.set("roughness", "float", reader.graph.constant(node, "Roughness"))
     if passes and (graph.input(node, "Transmission Roughness") and number("Transmission Roughness") > 0):
         graph.lost("what passes through is as rough as what is reflected")
     ior, level = number("IOR"), number("Specular IOR Level", "Specular")
@@ -240,10 +267,9 @@ def principled(reader, node):
     if is_new and number("Coat Weight") > 0 and reader.value(node, "Coat Tint") != WHITE:
         graph.lost("the tint of the coat is white")
     metal = spectra.metal(reader.settings)
-    surface = Surface(("latent:principled", {**parameters, **reader.relief(node)}))
+    surface = Surface(("latent:principled", {**parameters, **facets(reader, node), **reader.relief(node)}))
     if metal and is_constant(metallic) and metallic.number() == 1 and is_constant(reader.value(node, "Roughness")):
-        rough = reader.value(node, "Roughness").number() ** 2
-        surface.material = ("conductor", {**metal, "float roughness": rough, "bool remaproughness": False, **reader.relief(node)})
+        surface.material = measured_metal(reader, node, metal, reader.value(node, "Roughness"))
     strength, color = reader.value(node, "Emission Strength"), reader.value(node, "Emission Color", "Emission")
     if not (is_constant(strength) and strength.number() == 0) and not (is_constant(color) and max(color.rgb) == 0):
         surface.emission.append((color, strength))
@@ -257,8 +283,8 @@ MEAN_GLOSS = 0.09
 
 def second_loss(reader, node, is_new):
     """Light that Latent's layers take from what is below them on the way out, and Blender's do not: of a coat; before 4.0, of gloss, too."""
-    metallic, transmission = reader.value(node, "Metallic"), reader.value(node, "Transmission Weight", "Transmission")
-    coat, level = reader.value(node, "Coat Weight", "Clearcoat"), reader.value(node, "Specular IOR Level", "Specular")
+    metallic, transmission = reader.share(node, "Metallic"), reader.share(node, "Transmission Weight", "Transmission")
+    coat, level = reader.share(node, "Coat Weight", "Clearcoat"), reader.value(node, "Specular IOR Level", "Specular")
     if not is_constant(metallic, transmission, coat, level) or transmission.number() > 0:
         return 0.0
     if is_new:

@@ -78,8 +78,8 @@ class Graph:
 
     def source(self, socket):
         """The node and the output that feed an input, through reroutes, groups and muted nodes; None if nothing does."""
-        while socket.is_linked and socket.links:
-            link = socket.links[0]
+        while links := [link for link in socket.links if not link.is_muted]:
+            link = links[0]
             node, output = link.from_node, link.from_socket
             if node.type == "REROUTE":
                 socket = node.inputs[0]
