@@ -584,7 +584,7 @@ def principled_anisotropic():
     on_show(principled(Base_Color=(0.9, 0.6, 0.3, 1), Metallic=1.0, Roughness=0.4, Anisotropic=0.8)[0])
 
 
-@feature(2, kind="ball")
+@feature(2, "Cycles 4 and later give back the light between facets as of the geometric mean of both alphas" if NEW else "", kind="ball")
 def glossy_anisotropic():
     on_show(material("BsdfGlossy" if NEW else "BsdfAnisotropic", Color=(0.9, 0.6, 0.3, 1), Roughness=0.4, Anisotropy=0.6)[0])
 
@@ -608,7 +608,7 @@ def between_facets(name, **inputs):
         on_show(made)
 
     build.__name__ = f"between_facets_{name}"
-    feature(5, kind="ball")(build)
+    feature(5, "what several facets reflect or refract has another lobe", kind="ball")(build)
 
 
 for tenths in (3, 6, 10):

@@ -166,6 +166,24 @@ render()
 check("so does a muted link", np.allclose(picture().mean((0, 1)), expected, rtol=5e-3) and engine.last["lost"] == [], picture().mean((0, 1)), expected)
 tree.links.remove(link)
 
+# A lamp whose place is sheared, and one that the camera does not see, are listed.
+bpy.ops.object.light_add(type="SPOT", location=(0, 0, 3), rotation=(0.7, 0, 0))
+cone = bpy.context.object
+cone.data.shadow_soft_size = 0
+parent = bpy.data.objects.new("parent", None)
+scene.collection.objects.link(parent)
+cone.parent = parent
+for stretch, lines in (((1, 1, 1), []), ((1, 3, 1), [f"lamp {cone.name}: its shear is left out"])):
+    parent.scale = stretch
+    render()
+    check(f"a spot scaled by {stretch} lists {lines}", engine.last["lost"] == lines, engine.last["lost"])
+cone.data.type, cone.visible_camera, parent.scale = "POINT", False, (1, 1, 1)
+cone.data.shadow_soft_size = 0.2
+render()
+check("a hidden lamp is hidden from mirrors", any("mirrors do not show it" in line for line in engine.last["lost"]), engine.last["lost"])
+bpy.data.objects.remove(cone)
+bpy.data.objects.remove(parent)
+
 # Numbers that Cycles clamps are clamped, and listed.
 bright = tree.nodes.new("ShaderNodeBsdfPrincipled")
 tree.links.new(bright.outputs[0], output.inputs["Surface"])

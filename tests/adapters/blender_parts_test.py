@@ -251,7 +251,7 @@ class FakeSocket:
         self.name = self.identifier = name
         self.default_value, self.type, self.enabled = value, kind, True
         self.is_linked = source is not None
-        self.links = [types.SimpleNamespace(from_node=source, from_socket=FakeSocket("Value", 0.0))] if source else []
+        self.links = [types.SimpleNamespace(from_node=source, from_socket=FakeSocket("Value", 0.0), is_muted=False)] if source else []
 
 
 class Nodes(unittest.TestCase):

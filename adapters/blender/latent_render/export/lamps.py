@@ -80,6 +80,9 @@ class Lamp:
             return []
         if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
             lost("it casts shadows")
+        axes = np.array(pose.to_3x3().normalized())
+        if lamp.type in ("SPOT", "AREA") and np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
+            lost("its shear is left out")
         if self.profile and lamp.type in ("SUN", "AREA"):
             lost("its IES profile is left out: only points and spots have one")
         return ["AttributeBegin", *MAKERS[lamp.type](self, pose), "AttributeEnd"]
@@ -93,6 +96,8 @@ class Lamp:
         settings = self.lamp.latent
         visible = settings.visible == "ALWAYS" or settings.visible == "AUTO" and (self.owner.visible_camera or not self.sees(center, radius))
         hidden = {} if visible else {"float alpha": 0.0}
+        if settings.visible == "AUTO" and not visible:
+            self.lost("mirrors do not show it either, and gloss is noisier (Visible in its panel changes that)")
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more),
                 directive("Shape", kind, **shape, **hidden)]
 

@@ -117,9 +117,9 @@ def reflectance(value, lost):
     return limited(value, "colour", lost)
 
 
-def facets(reader, node, prefix=""):
+def facets(reader, node, rough, prefix=""):
     """Parameters of their distribution."""
-    kind = getattr(node, "distribution", "GGX")
+    kind = getattr(node, "distribution", "GGX") if not is_constant(rough) or rough.number() > 0 else "GGX"
     if kind in ("BECKMANN", "ASHIKHMIN_SHIRLEY"):
         reader.graph.lost(f"the facets of {node.bl_label} have the distribution GGX")
     return {f"bool {prefix}multiscatter": True} if kind == "MULTI_GGX" else {}
@@ -158,18 +158,18 @@ def glossy(reader, node):
     if is_constant(color) and most > 0:
         color = each(lambda c: c / most, color)
     return Surface(("latent:principled", {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most,
-                                          **reader.set("specularcolor", "spectrum", color), **look, **facets(reader, node), **reader.relief(node)}))
+                                          **reader.set("specularcolor", "spectrum", color), **look, **facets(reader, node, rough), **reader.relief(node)}))
 
 
 def measured_metal(reader, node, metal, rough):
-    rough = limited(rough, "roughness", reader.graph.lost).number() ** 2
-    return "conductor", {**metal, "float roughness": rough, "bool remaproughness": False, **facets(reader, node, "latent:"), **reader.relief(node)}
+    alpha = limited(rough, "roughness", reader.graph.lost).number() ** 2
+    return "conductor", {**metal, "float roughness": alpha, "bool remaproughness": False, **facets(reader, node, rough, "latent:"), **reader.relief(node)}
 
 
 def glass(reader, node):
     rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.graph.constant(node, "Roughness")
     color = reader.value(node, "Color")
-    return Surface(("latent:principled", {"float transmission": 1.0, **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node),
+    return Surface(("latent:principled", {"float transmission": 1.0, **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node, rough),
                                           **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
 
 
@@ -267,7 +267,7 @@ def principled(reader, node):
     if is_new and number("Coat Weight") > 0 and reader.value(node, "Coat Tint") != WHITE:
         graph.lost("the tint of the coat is white")
     metal = spectra.metal(reader.settings)
-    surface = Surface(("latent:principled", {**parameters, **facets(reader, node), **reader.relief(node)}))
+    surface = Surface(("latent:principled", {**parameters, **facets(reader, node, reader.value(node, "Roughness")), **reader.relief(node)}))
     if metal and is_constant(metallic) and metallic.number() == 1 and is_constant(reader.value(node, "Roughness")):
         surface.material = measured_metal(reader, node, metal, reader.value(node, "Roughness"))
     strength, color = reader.value(node, "Emission Strength"), reader.value(node, "Emission Color", "Emission")
