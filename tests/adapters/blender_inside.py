@@ -187,7 +187,7 @@ bpy.data.objects.remove(parent)
 # Numbers that Cycles clamps are clamped, and listed.
 bright = tree.nodes.new("ShaderNodeBsdfPrincipled")
 tree.links.new(bright.outputs[0], output.inputs["Surface"])
-for name in ("Metallic", "Roughness"):
+for name in ("Metallic", "Roughness", "Alpha"):
     for number, within in ((3.0, 1.0), (-1.0, 0.0)):
         plain.outputs[0].default_value = within
         link = tree.links.new(plain.outputs[0], bright.inputs[name])

@@ -113,10 +113,6 @@ def limited(value, what, lost):
     return each(lambda c: min(1.0, max(0.0, c)), value)
 
 
-def reflectance(value, lost):
-    return limited(value, "colour", lost)
-
-
 def facets(reader, node, rough, prefix=""):
     """Parameters of their distribution."""
     kind = getattr(node, "distribution", "GGX") if not is_constant(rough) or rough.number() > 0 else "GGX"
@@ -179,7 +175,7 @@ def refraction(reader, node):
 
 
 def transparent(reader, node):
-    color = reflectance(reader.graph.constant(node, "Color"), reader.graph.lost)
+    color = limited(reader.graph.constant(node, "Color"), "colour", reader.graph.lost)
     if len(set(color.rgb)) > 1:
         reader.graph.lost("the colour of a Transparent BSDF is grey")
     return Surface(None, alpha=constant(1 - color.number()))
@@ -194,7 +190,7 @@ def subsurface(reader, node):
 
 def hair(reader, node):
     """Absorption as Cycles': by colour, by melanin or directly."""
-    shape = {"float beta_m": reader.number(node, "Roughness"), "float beta_n": reader.number(node, "Radial Roughness"),
+    shape = {**reader.set("beta_m", "float", reader.graph.constant(node, "Roughness")), **reader.set("beta_n", "float", reader.graph.constant(node, "Radial Roughness")),
              "float alpha": math.degrees(reader.number(node, "Offset")), "float eta": reader.number(node, "IOR")}
     way = getattr(node, "parametrization", "COLOR")
     if way == "ABSORPTION":
@@ -212,7 +208,7 @@ def principled(reader, node):
     """Inputs have other names since Blender 4.0."""
     graph, is_new = reader.graph, "Coat Weight" in node.inputs
     number = functools.partial(reader.number, node)
-    base, weight = reflectance(reader.value(node, "Base Color"), graph.lost), number("Subsurface Weight", "Subsurface")
+    base, weight = limited(reader.value(node, "Base Color"), "colour", graph.lost), number("Subsurface Weight", "Subsurface")
     if weight > 0:
         graph.lost("the subsurface scattering of a Principled BSDF is matt")
     below = base if is_new or weight == 0 else mix(base, reader.value(node, "Subsurface Color"), constant(weight))
@@ -259,7 +255,7 @@ def principled(reader, node):
         if is_new:
             color = reader.value(node, "Sheen Tint")
             parameters |= reader.set("sheen", "spectrum", product(color, constant(sheen)))
-            parameters["float sheenroughness"] = max(0.07, number("Sheen Roughness"))
+            parameters["float sheenroughness"] = min(1.0, max(0.07, number("Sheen Roughness")))
         else:
             graph.lost("sheen is left out (Blender 4.0 has one that Latent knows)")
     if is_new and "Thin Film Thickness" in node.inputs and number("Thin Film Thickness") > 0:
@@ -273,7 +269,7 @@ def principled(reader, node):
     strength, color = reader.value(node, "Emission Strength"), reader.value(node, "Emission Color", "Emission")
     if not (is_constant(strength) and strength.number() == 0) and not (is_constant(color) and max(color.rgb) == 0):
         surface.emission.append((color, strength))
-    surface.alpha = reader.value(node, "Alpha")
+    surface.alpha = reader.share(node, "Alpha")
     return surface
 
 
@@ -390,7 +386,7 @@ def export(document, material, report, files, light_name):
     """What an object of this material (None: the default) is written with."""
     if material is None or not (getattr(material, "use_nodes", True) and material.node_tree):
         color = Constant(tuple(material.diffuse_color)[:3]) if material else constant(0.8)
-        name = document.material("diffuse", {"rgb reflectance": list(reflectance(color, report.of(f"material {material and material.name}")).rgb)})
+        name = document.material("diffuse", {"rgb reflectance": list(limited(color, "colour", report.of(f"material {material and material.name}")).rgb)})
         return Exported([f'NamedMaterial "{name}"'], False, {}, Places())
     places = Places()
     graph = Graph(material.node_tree, report.of(f"material {material.name}"), places, files, material)

@@ -29,7 +29,7 @@ def index(settings, ior):
         return {"spectrum eta": f"glass-{settings.glass}"}
     if settings.abbe > 0:
         return {"spectrum eta": cauchy(ior, settings.abbe)}
-    return {"float eta": float(ior)}
+    return {"float eta": min(1e3, max(1e-3, float(ior)))}
 
 
 def table(path):
