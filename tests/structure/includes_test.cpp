@@ -63,7 +63,7 @@ const std::map<std::string, Rooms>& arrows() {
 
         {"tools/merge", {"sampledb/read"}},
         {"tools/develop/film", {"sampledb/data"}},
-        {"tools/develop/lens", {"sampledb/read", "color", "image"}},
+        {"tools/develop/lens", {"tools/develop/film", "sampledb/read", "color", "image"}},
         {"tools/develop/channels", {"tools/develop/film", "tools/develop/lens", "color/film"}},
         {"tools/develop/kernel", {"tools/develop/channels"}},
         {"tools/develop/engine", {"tools/develop/kernel"}},

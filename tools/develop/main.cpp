@@ -20,7 +20,8 @@ int main(int argc, char** argv) try {
     CLI::App app{"Develop raw samples into an EXR picture of linear XYZ pixels.", "latent-develop"};
     const CLI::App& decisions = develop::add_arguments(app, options);
     app.add_flag("--dry-run", dry_run,
-                 "develop some runs and pixels, for up to two seconds of CPU time, then print the expected time, memory and file size, and the "
+                 "develop some runs and pixels, for up to two seconds of CPU time, then print the expected time, memory and file "
+                 "size, and the "
                  "free space; needs no --output")
         ->excludes(app.get_option("--budget"));
     cli::add_common(app, common, true);
