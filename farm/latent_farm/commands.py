@@ -3,7 +3,7 @@ import json
 import os
 import pathlib
 
-from latent_farm import engines, film, frames, planning, ranges, slurm, strips, units
+from latent_farm import engines, film, frames, noise, planning, ranges, slurm, state, strips, units
 from latent_farm import status as status_of
 from latent_farm.errors import DONE, Failure, Misuse
 from latent_farm.folder import Folder
@@ -118,6 +118,19 @@ def status_command(args):
     return DONE
 
 
+def noise_command(args):
+    [folder] = frames.existing(args.out)
+    plan = folder.read_plan()
+    if not plan.target:
+        raise Misuse(f"{args.out}: its plan has no --until-noise; for the noise of any samples, use latent-inspect noise")
+    if tasks := state.unfinished(plan, state.read_state(folder, plan)):
+        raise Failure(f"{args.out}: missing: {ranges.tasks_text(ranges.array_list(tasks))}; render what is missing with latent-farm resume {shown(args.out)}")
+    found = noise.measure(folder, plan)
+    args.spp = None if noise.is_over(folder, plan) else noise.next_spp(plan, found)
+    say(f"noise: {status_of.noise_text(status_of.noise_of(folder, plan, found.samples), plan.spp)}\n")
+    return resume_command(args)
+
+
 def join_command(args):
     strips.join([pathlib.Path(path) for path in args.strip], pathlib.Path(args.output), args.force)
     return DONE
@@ -131,5 +144,5 @@ def film_command(args):
     return DONE
 
 
-RUN = {"plan": plan_command, "submit": submit_command, "resume": resume_command, "status": status_command,
+RUN = {"plan": plan_command, "submit": submit_command, "resume": resume_command, "status": status_command, "noise": noise_command,
        "join": join_command, "film": film_command}

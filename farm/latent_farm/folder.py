@@ -22,6 +22,7 @@ class Folder:
         self.film = self.path / "film.mp4"
         self.strips = self.path / "strips"
         self.jobs = self.path / "jobs.json"
+        self.noise = self.path / "noise.json"
 
     def has_plan(self):
         return self.plan_file.exists()

@@ -3,7 +3,7 @@ import argparse
 import re
 import shlex
 
-from latent_farm import units
+from latent_farm import noise, units
 from latent_farm.help import Command
 from latent_farm.names import check_name
 from latent_farm.plan import ENGINES, FPS, MOST_TASKS, STEPS
@@ -34,6 +34,12 @@ def spp(text):
     if value is None or not 0 < value < 1e15:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number of samples per pixel")
     return float(value)
+
+
+def until_noise(text):
+    if noise.target_of(text) is None:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a noise (try 2%, or 2%@1920 for a picture 1920 pixels wide)")
+    return text
 
 
 def tasks(text):
@@ -103,6 +109,9 @@ def add_steps(command):
     command.option("--fps", "N", "frames per second of the film that ffmpeg, if installed, makes of the prints of an animation", type=fps, shown_default="24")
     command.option("--on-done", "COMMAND", "command of the shell to run when all is done; $folder is the folder of the plan", type=text)
     command.option("--until", "|".join(STEPS), "last step to run", choices=STEPS, shown_default="develop, or print")
+    command.option("--until-noise", "P%[@W]", "add samples until half of the pixels of a picture W pixels wide (default: of --resolution) have a smaller "
+                   "relative standard error than P percent", type=until_noise)
+    command.option("--max-spp", "N", "samples per pixel after which --until-noise ends in any case", type=spp)
     command.option("--ignore-space", None, "submit even if the files are not expected to fit on the disk")
     command.option("--json", None, "print the report as JSON on standard output")
 
@@ -141,6 +150,8 @@ Examples:
       plan for GNU parallel, on machines that ssh can reach
   latent-farm plan scene.pbrt --spp 256 --out night -- --integrator bdpt
       pass an option to latent-render
+  latent-farm plan scene.pbrt --until-noise 2%@1920 --out night
+      as many samples as a clean picture 1920 pixels wide needs
   latent-farm plan frame-*.pbrt --spp 64 --out film
       plan an animation; each frame gets its own folder in film
 
@@ -196,6 +207,19 @@ Examples:
                   shown_default="5m")
     status.option("--json", None, "print the report as JSON on standard output")
     status.option("--prometheus", None, "print it as metrics for Prometheus, for the textfile collector of its node_exporter")
+    noise = Command("latent-farm noise", "Measure the noise of a plan with --until-noise, and run what is left.", "latent-farm noise DIR [OPTIONS]", f"""
+{FORMATS}
+
+The step noise of a plan runs this command, when all tasks are finished. If the
+picture is noisier than --until-noise asks, it extends the plan and runs the new
+tasks; then this step again. Otherwise it runs the later steps.
+
+Examples:
+  latent-farm noise night
+
+{STATUSES}""")
+    noise.argument("out", "folder of the plan", metavar="DIR")
+    add_steps(noise)
     join = Command("latent-farm join", "Join the strips of a picture.", "latent-farm join STRIP... -o FILE.exr [OPTIONS]", f"""
 latent-farm submit --strips runs this command. Each STRIP is a picture made by
 latent-develop --crop: all columns, from a row that is a multiple of 256 up to
@@ -221,5 +245,5 @@ Examples:
     film.option("--fps", "N", "frames per second", type=fps, default=24.0, shown_default="24")
     film.option("-o,--output", "FILE.mp4", "film to write (default: DIR/film.mp4)")
     film.option("--force", None, "replace an existing output")
-    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "join": join, "film": film}
+    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "noise": noise, "join": join, "film": film}
     return tool

@@ -5,6 +5,7 @@ import os
 import re
 import typing
 
+from latent_farm import noise
 from latent_farm.errors import Misuse
 from latent_farm.schema import BOOLEAN, HEX, TEXT, TEXTS, member, one_of, real, whole
 from latent_farm.units import MOST_SECONDS
@@ -22,7 +23,7 @@ STEPS = ("render", "merge", "develop", "print")
 class Stage(typing.NamedTuple):
     """A step of a plan, of which nothing begins before all of the one before is done."""
 
-    name: str  # render, merge, develop, join or print; film or done, when all frames are finished
+    name: str  # render, noise, merge, develop, join or print; film or done, when all frames are finished
     tasks: list | None = None  # numbers, for a script that takes one; else it is run once
 
     @property
@@ -55,6 +56,8 @@ class Plan:
     fps: float = member(real(*FPS), default=24)  # of the film of all frames
     on_done: str = member(TEXT, default="")  # a command of the shell, for when all is done
     until: str = member(one_of(*STEPS), default="develop")  # the last step
+    until_noise: str = member(noise.TARGET, default="")  # a target, until which the plan grows; empty: none
+    max_spp: float = member(real(0, 1e15), default=0)  # up to which it may grow; 0: any
     checkpoint: float = member(real(0, MOST_SECONDS), default=60)  # seconds
     engine: str = member(one_of(*ENGINES), default="shell")
     hosts: str = member(TEXT, default="")  # the file that lists the machines of parallel; empty: this machine
@@ -80,6 +83,8 @@ class Plan:
         for option, column in SEEN_BY_THE_LENS.items():
             if given(option, self.develop) and column not in aovs(self.options):
                 raise Misuse(f'--develop: {option} needs samples that were rendered with --aov {column}; add, at the end of the line: -- --aov {column}')
+        if self.max_spp and not self.target:
+            raise Misuse("--max-spp: needs --until-noise")
         if self.strips == 1:
             return
         if not size_of(self.develop):
@@ -87,6 +92,11 @@ class Plan:
         for option in ("--mipmap", "--crop", "--budget", "--fraction"):
             if given(option, self.develop):
                 raise Misuse(f"--strips: does not go with {option} of latent-develop")
+
+    @property
+    def target(self):
+        """None if the plan has as many samples as it is to have."""
+        return noise.target_of(self.until_noise)
 
     @property
     def tasks(self):
@@ -186,8 +196,7 @@ def part_name(task):
 OWN = "write it before the --"
 INSIDE = "latent-farm gives every task its own; --tasks says how many there are"
 ALWAYS = "tasks of a farm do without it"
-SPP = "a task does not see the noise of all; use --spp, before the --"
-TAKEN = {"--spp": OWN, "--checkpoint": OWN, "--until-noise": SPP, "--max-spp": SPP, "--samples": INSIDE, "--shard": INSIDE,
+TAKEN = {"--spp": OWN, "--checkpoint": OWN, "--until-noise": OWN, "--max-spp": OWN, "--samples": INSIDE, "--shard": INSIDE,
          "--threads": "use --cpus, before the --",
          "-o": "parts are written into the folder that --out names", "--output": "parts are written into the folder that --out names",
          **dict.fromkeys(("--dry-run", "--json", "--force", "--quiet", "-q", "--max-time", "--more-than"), ALWAYS)}

@@ -41,7 +41,7 @@ def trial(folder, arguments, spp, cpus):
 
 
 REMEMBERED = ("memory", "cpus", "develop", "strips", "compact", "checkpoint", "print", "fps", "on_done", "until", "engine", "hosts", "sbatch",
-              "time", "throttle")
+              "time", "throttle", "until_noise", "max_spp")
 
 
 def choose(plan, args):

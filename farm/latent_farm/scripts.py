@@ -37,6 +37,11 @@ status=$?
 exit $status
 """
 
+NOISE_USAGE = """noise    measures the noise of the samples, and runs what is left: more tasks, or the later steps."""
+NOISE = CHDIR + """
+exec "$program" noise .
+"""
+
 DEVELOP_USAGE = """develop    develops samples.latent into picture.exr."""
 DEVELOP = CHDIR + """
 exec "$program" samples.latent --samples "0:$samples" "$@" --force -o picture.exr
@@ -77,8 +82,8 @@ RUN = """#!/bin/bash
 # Signals are passed on to the step. Its exit status is that of the step.
 case $1/$2 in
     task/*[!0-9]* | develop/*[!0-9]* | task/) echo "usage: $0 STEP [K]" >&2; exit 2 ;;
-    task/* | merge/ | develop/* | join/ | print/ | film/ | done/) ;;
-    *) echo "usage: $0 STEP [K]    (STEP: task, merge, develop, join, print, film or done)" >&2; exit 2 ;;
+    task/* | noise/ | merge/ | develop/* | join/ | print/ | film/ | done/) ;;
+    *) echo "usage: $0 STEP [K]    (STEP: task, noise, merge, develop, join, print, film or done)" >&2; exit 2 ;;
 esac
 what=$1${2:+ $((10#$2))}
 case $0 in */*) folder=${0%/*} ;; *) folder=. ;; esac
@@ -144,6 +149,8 @@ def scripts_of(plan):
         "task": script(TASK_USAGE, TASK, "latent-render", plan.render_options, length=plan.task_samples, samples=plan.samples,
                        last=plan.tasks - 1, scene=plan.scene, cpus=plan.cpus, checkpoint=f"{plan.checkpoint:g}"),
         "merge": script(MERGE_USAGE, MERGE, "latent-merge", ["--compact"] if plan.compact else [], job=plan.job, samples=plan.samples)}
+    if plan.target:
+        scripts["noise"] = script(NOISE_USAGE, NOISE)
     if plan.until == "print":
         scripts["print"] = script(PRINT_USAGE, PRINT, "latent-convert", plan.print)
     if plan.strips == 1:

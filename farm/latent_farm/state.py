@@ -7,7 +7,7 @@ import shutil
 import time
 
 from latent_farm import film as film_of
-from latent_farm import logs, ranges, tools
+from latent_farm import logs, noise, ranges, tools
 from latent_farm.plan import Stage, part_name, strip_name
 
 BATCH = 100  # files of one call of latent-inspect
@@ -123,9 +123,11 @@ def unfinished(plan, state):
 def stages_left(folder, plan, state, tasks):
     """The stages that are still to be run, where `tasks` are not rendered yet."""
     render = [Stage("render", tasks)] if tasks else []
+    if tasks or not noise.is_over(folder, plan):
+        render += [Stage("noise")] * bool(plan.target)
     if plan.until == "render":
         return render
-    merge = [*render, Stage("merge")] if tasks or ranges.missing((0, plan.samples), state.merged) else []
+    merge = [*render, Stage("merge")] if render or ranges.missing((0, plan.samples), state.merged) else []
     if plan.until == "merge":
         return merge
     develop = [] if not merge and is_newer(folder.picture, folder.merged, plan.develop_since) else [Stage("develop")]

@@ -2,12 +2,23 @@
 import statistics
 import time
 
-from latent_farm import logs, ranges, state, units
+from latent_farm import logs, noise, ranges, state, units
 from latent_farm.names import shown
 from latent_farm.plan import Stage
 
 LAST = ["film", "done"]  # steps that follow when all frames are finished
 MOST_SHOWN = 8  # failures, in text
+
+
+def noise_of(folder, plan, committed):
+    """For --json: the target, and what is known about it."""
+    if not plan.target:
+        return None
+    found = noise.last(folder, plan)
+    known = {"samples": found.samples, "median": found.median, "spp_needed": found.needed(plan.target) * plan.spp / plan.samples,
+             "expected_now": found.expected(max(committed, found.samples))} if found else {}
+    return {"target": plan.until_noise, "relative": plan.target.relative, "width": plan.target.width, "max_spp": plan.max_spp or None,
+            "over": noise.is_over(folder, plan), **known}
 
 
 def machines_of(plan, files, unfinished, now, stalled_after):
@@ -46,19 +57,32 @@ def summary(folder, plan, found, now, stalled_after):
     working = sum(machine["working"] for machine in machines.values())
     per_sample = found.disk / max(1, ranges.size(ranges.union(r for f in found.files for r in f.held)) + ranges.size(found.merged))
     held_twice = 1 if plan.until == "render" else 2
+    committed = plan.samples - lacks
     return {
         "folder": str(folder.path), "scene": plan.scene, "job": plan.job, "spp": plan.spp,
-        "samples": plan.samples, "committed": plan.samples - lacks, "missing_samples": [list(r) for r in lacking],
+        "samples": plan.samples, "committed": committed, "missing_samples": [list(r) for r in lacking],
         "tasks": plan.tasks, "tasks_finished": plan.tasks - len(tasks), "tasks_working": working,
         "missing_tasks": ranges.array_list(tasks), "stalled": stalled,
         "samples_per_second": rate, "seconds_left": 0 if not lacks else lacks / rate if rate else None,
         "machines": machines, "bytes": found.disk,
         "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
         "free_bytes": found.free, "spare": [file.name for file in found.spare], "spare_bytes": sum(file.bytes for file in found.spare), "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
-        "until": plan.until, "steps_left_out": plan.steps_left_out, "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
+        "noise": noise_of(folder, plan, committed), "until": plan.until, "steps_left_out": plan.steps_left_out, "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
         "steps_left": [stage.name for stage in stages],
         "failed": [failed._asdict() for failed in logs.failures(folder, stages)],
     }
+
+
+def noise_text(known, spp):
+    """Of what noise_of found, where the plan has so many samples per pixel."""
+    if "median" not in known:
+        return f"not measured yet, of {known['target']}"
+    text = f"{100 * known['expected_now']:.3g} %, of {known['target']}"
+    if known["median"] <= known["relative"]:
+        return text
+    if known["over"]:
+        return text + f"; --max-spp {known['max_spp']:g} is reached"
+    return text + f"; that takes about {known['spp_needed']:.3g} samples per pixel, after {spp:g}"
 
 
 def to_text(report, now):
@@ -73,6 +97,8 @@ def to_text(report, now):
     if report["samples_per_second"]:
         left = report["seconds_left"]
         lines.append(f"rate:    {units.format_count(report['samples_per_second'])} samples/s, {units.format_duration(left)} left")
+    if report["noise"]:
+        lines.append("noise:   " + noise_text(report["noise"], report["spp"]))
     lines.append(f"disk:    {units.format_size(report['bytes'])} used, {units.format_size(report['bytes_when_finished'])} "
                  f"when finished, {units.format_size(report['free_bytes'])} free")
     if report["spare"]:

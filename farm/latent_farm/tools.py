@@ -47,6 +47,12 @@ def forecast(arguments, output):
     return json.loads(output_of(command))
 
 
+def noise(arguments, width):
+    """What latent-inspect says about the noise of samples, in a picture `width` pixels wide; 0: as wide as they were rendered for."""
+    size = ["--size", str(width)] if width else []
+    return json.loads(output_of([path_of("latent-inspect"), "noise", "--json", "--quiet", *map(str, arguments), *size]))
+
+
 def info(files):
     """What latent-inspect says about each file, in their order; of one that cannot be read, its error."""
     command = [path_of("latent-inspect"), "info", "--json", "--quiet", *map(str, files)]

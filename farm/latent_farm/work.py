@@ -1,5 +1,5 @@
 """What is to be done: in the folder of a plan, made, extended or as it was; and for all frames together."""
-from latent_farm import engines, frames, planning, ranges, scripts, slurm, state
+from latent_farm import engines, frames, noise, planning, ranges, scripts, slurm, state
 from latent_farm.errors import Failure, Misuse, STOPPED
 from latent_farm.folder import Folder
 
@@ -14,7 +14,7 @@ class Work:
         self.missing = state.unfinished(self.plan, self.found)
         if self.missing and not measured:
             planning.check_scene(folder, self.plan)
-        self.stages = state.stages_left(folder, self.plan, self.found, self.missing)
+        self.stages = until_noise(state.stages_left(folder, self.plan, self.found, self.missing))
 
     def report(self):
         """For --json."""
@@ -36,11 +36,14 @@ class Works:
     def __init__(self, args):
         self.folder = Folder(args.out)
         found = frames.frames_of(args)
+        if args.until_noise and len(found) > 1:
+            raise Misuse("--until-noise: is for one scene; give the frames of an animation the same --spp")
         self.frames = []
         for folder, own in found:
             self.frames.append(Work(folder, own, self.frames[0].plan if self.frames else None, 1 / len(found)))
         self.plan = self.frames[0].plan  # for what concerns all of them
-        self.last = state.last_stages(self.folder, self.plan, [(frame.folder, frame.stages) for frame in self.frames])
+        grows = any(stage.name == "noise" for stage in self.frames[0].stages)
+        self.last = [] if grows else state.last_stages(self.folder, self.plan, [(frame.folder, frame.stages) for frame in self.frames])
         if self.last:
             self.folder.make(parts=False)
             scripts.write_scripts(self.folder, self.plan, scripts.last_scripts_of(self.plan))
@@ -87,6 +90,12 @@ class Works:
                 "steps": [stage.name for stage in self.last], "commands": [line for own in lines for line in own], "jobs": [], "frames": reports}
 
 
+def until_noise(stages):
+    """Those up to the step that measures noise, which then runs what is left: nothing else knows how many samples there will be."""
+    names = [stage.name for stage in stages]
+    return stages[:names.index("noise") + 1] if "noise" in names else stages
+
+
 def prepare(folder, args, like, share):
     """The plan, in the folder, and whether the scene has been measured for it just now."""
     def shared(machines):
@@ -97,14 +106,15 @@ def prepare(folder, args, like, share):
         folder.make()
         measured = bool(args.spp) and args.spp > plan.spp
         planning.extend(folder, plan, args, args.machines and shared(args.machines))
-    elif args.scene and args.spp:
+    elif args.scene and (args.spp or args.until_noise):
+        args.spp = args.spp or min(noise.FIRST_SPP, args.max_spp or noise.FIRST_SPP)
         nodes = slurm.nodes() if args.engine == "slurm" else []
         cpus = min((cpus for _, cpus in nodes), default=0) if args.cpus is None else args.cpus
         measured, machines = True, shared(args.machines or count_machines(args, cpus, nodes))
         with folder.made():
             plan = planning.make_plan(folder, args, cpus, machines, like)
     else:
-        raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp")
+        raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp, or --until-noise")
     folder.write_plan(plan)
     scripts.write_scripts(folder, plan, scripts.scripts_of(plan))
     return plan, measured

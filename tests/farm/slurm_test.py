@@ -195,6 +195,17 @@ class Slurm(FarmTest):
         self.assertEqual((self.night / "told").read_text().split(), [f"frame.{number}/picture.png" for number in (1, 2)], self.logs())
 
 
+    def test_j_a_plan_grows_until_its_picture_is_clean(self):
+        self.farm("submit", SCENE, "--until-noise", "4%", "--out", self.night, "--tasks", 4, "--cpus", 1, "--memory", "100M", "--on-done", "echo done >>told",
+                  "--", *OPTIONS)
+        self.wait_for_end()
+        status = self.farm("status", self.night)
+        self.assertEqual((status["steps_left"], status["missing_samples"]), ([], []), self.logs())
+        self.assertGreater(status["spp"], 16)
+        self.assertLessEqual(status["noise"]["median"], 0.04)
+        self.assertEqual((self.night / "told").read_text(), "done\n")
+
+
 def load(names):
     every = unittest.defaultTestLoader.getTestCaseNames(Slurm)
     chosen = [name for name in every if name.split("_")[1] in names] if names else [name for name in every if name not in SLOW]

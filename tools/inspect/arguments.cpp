@@ -60,6 +60,8 @@ void add_cat_options(CLI::App& cat, CatOptions& options) {
 void add_noise_options(CLI::App& noise, NoiseOptions& options) {
     develop::PictureOptions& picture = options.picture;
     noise.add_option("FILE", picture.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
+    noise.add_flag("--skip-duplicates", picture.skip_duplicates,
+                   "accept files that hold the same samples; each sample is used once");
     noise
         .add_option(
             "--size", picture.size,
