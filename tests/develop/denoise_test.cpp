@@ -9,6 +9,7 @@
 #include <random>
 
 #include "color/rgb_space.h"
+#include "tests/color/simd_targets.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/denoise/denoiser.h"
@@ -131,6 +132,17 @@ TEST(Denoise, APixelDependsOnThoseWithinReachAlone) {
 
 // All light of a bright pixel is in one half: its standard error is as large as its value. Dark pixels beyond the reach of patches
 // and of measured variances take none of it, although the difference is only one standard error.
+TEST(Denoise, IsTheSameOnAllProcessors) {
+    const std::vector<float> pixels = noisy(
+        [](int x, int y) {
+            return Pixel{1 + 0.1f * static_cast<float>((x ^ y) & 8), 0.5f};
+        },
+        6);
+    const DenoisedValues values = DenoisedValues::find(kNames);
+    const std::vector<float> once = denoise(values, 1, kAll, pixels, {3, 0, 50, 61});
+    color::with_every_simd_target([&] { EXPECT_EQ(denoise(values, 1, kAll, pixels, {3, 0, 50, 61}), once); });
+}
+
 TEST(Denoise, LightOfFewSamplesDoesNotSpreadOverTheDark) {
     std::mt19937 random(5);
     std::normal_distribution<float> noise(0, static_cast<float>(kSigma));

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
+
+#include "tools/develop/denoise/row_loops.h"
 
 namespace latent::develop {
 
@@ -13,8 +16,6 @@ constexpr std::int64_t kPatch = 1;           // of what is compared around a pix
 constexpr std::int64_t kVarianceRadius = 2;  // of what a variance is measured in
 static_assert(kDenoiseReach == kRadius + kPatch + kVarianceRadius);
 
-constexpr float kCertain = 0.25f;                                // variance over squared value, at most, when pixels are compared
-constexpr float kBeyond = 1.5f;                                  // squares of differences count down to 0 over so many variances
 constexpr float kNormal = 0.2f, kDepth = 0.04f, kAlbedo = 0.1f;  // differences of surfaces: of depth, relative and per pixel
 constexpr float kSquares = 6;                                    // of these, where weights end
 
@@ -57,16 +58,15 @@ Plane means_around(const Plane& plane, const PixelRect& wanted, std::int64_t rad
         const float* const from = plane.row(y);
         float* const to = across.row(y);
         for (std::int64_t d = -radius; d <= radius; ++d) {
-            for (std::int64_t x = std::max(rows.x0, all.x0 - d); x < std::min(rows.x1, all.x1 - d); ++x) to[x] += from[x + d];
+            const std::int64_t first = std::max(rows.x0, all.x0 - d), end = std::min(rows.x1, all.x1 - d);
+            if (first < end) add_row(static_cast<std::size_t>(end - first), from + first + d, to + first);
         }
     }
     for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
         float* const to = means.row(y);
         const std::int64_t first = std::max(y - radius, rows.y0), end = std::min(y + radius + 1, rows.y1);
-        for (std::int64_t other = first; other < end; ++other) {
-            const float* const from = across.row(other);
-            for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) to[x] += from[x];
-        }
+        for (std::int64_t other = first; other < end; ++other)
+            add_row(static_cast<std::size_t>(wanted.width()), across.row(other) + wanted.x0, to + wanted.x0);
         for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) {
             const std::int64_t columns = std::min(x + radius + 1, all.x1) - std::max(x - radius, all.x0);
             to[x] /= static_cast<float>(columns * (end - first));
@@ -74,16 +74,6 @@ Plane means_around(const Plane& plane, const PixelRect& wanted, std::int64_t rad
     }
     return means;
 }
-
-// From 1 at 0 to 0 at 1.
-float falling(float x) {
-    const float left = std::max(0.0f, 1 - x);
-    return left * left;
-}
-
-// The light of one sample, or of few, cannot show how much it varies: such a pixel would be like all others. Their light would go
-// over to the dark.
-float bounded(float variance, float value) { return std::min(variance, kCertain * value * value); }
 
 struct Channel {
     Plane value, variance;
@@ -94,7 +84,7 @@ class Denoiser {
  public:
     Denoiser(const DenoisedValues& values, const DenoisedValues::Part& part, const PixelRect& held, std::span<const float> pixels,
              const PixelRect& wanted)
-        : held_(held), wanted_(wanted), weights_(wanted, 1) {
+        : held_(held), wanted_(wanted), with_variance_(values.variance), weights_(wanted, 1) {
         const auto plane = [&](std::size_t place) {
             return plane_of(held, pixels, values.outputs, [place](const float* pixel) {
                 return std::isfinite(pixel[place]) ? pixel[place] : 0.0f;  // the depth of what is infinitely far
@@ -119,10 +109,9 @@ class Denoiser {
         add(values.albedo, albedo_);
         add(values.normal, normal_);
         if (values.depth) depth_.push_back(plane(*values.depth));
-        for (std::int64_t dy = -kRadius; dy <= kRadius; ++dy) {
-            for (std::int64_t dx = -kRadius; dx <= kRadius; ++dx) {
-                const std::int64_t square = dx * dx + dy * dy;
-                if (square > 0 && square <= kRadius * (kRadius + 1)) add_neighbours(dx, dy);
+        for (std::int64_t dy = 0; dy <= kRadius; ++dy) {
+            for (std::int64_t dx = dy > 0 ? -kRadius : 1; dx <= kRadius; ++dx) {
+                if (dx * dx + dy * dy <= kRadius * (kRadius + 1)) add_neighbours(dx, dy);
             }
         }
     }
@@ -140,78 +129,76 @@ class Denoiser {
 
  private:
     void add_neighbours(std::int64_t dx, std::int64_t dy);
-    void weigh_surfaces(std::int64_t dx, std::int64_t dy, const PixelRect& pairs, Plane& weights) const;
+    void add_weighted(const Plane& weights, std::int64_t dx, std::int64_t dy, std::int64_t weight_x, std::int64_t weight_y);
+    void weigh_surfaces(std::size_t n, std::int64_t dx, std::int64_t dy, std::int64_t y, std::int64_t x, float* weights) const;
 
     PixelRect held_, wanted_;
+    bool with_variance_;
     std::vector<Channel> channels_;
     std::vector<Plane> albedo_, normal_, depth_;  // three, three, one; or none
     Plane weights_;                               // sums; a pixel's own is 1
 };
 
 // [Welch47]: the difference of two means over its standard error, squared; its mean over the channels and over a patch around both.
+// Either pixel of a pair is a neighbour of the other with the same weight, which stands at the first: the other is (dx, dy)
+// further.
 void Denoiser::add_neighbours(std::int64_t dx, std::int64_t dy) {
-    const PixelRect both = intersection(held_, moved(held_, -dx, -dy));  // where the neighbour is in the picture, too
-    const PixelRect pairs = intersection(wanted_, both), around = intersection(grown(pairs, kPatch), both);
+    const PixelRect both = intersection(held_, moved(held_, -dx, -dy));  // where the other is in the picture, too
+    const PixelRect others = moved(wanted_, -dx, -dy);
+    const PixelRect either{std::min(wanted_.x0, others.x0), std::min(wanted_.y0, others.y0), std::max(wanted_.x1, others.x1),
+                           std::max(wanted_.y1, others.y1)};
+    const PixelRect pairs = intersection(either, both), around = intersection(grown(pairs, kPatch), both);
     if (pairs.empty()) return;
     Plane squares(around);
     const float share = 1 / static_cast<float>(channels_.size());
     for (const Channel& channel : channels_) {
         for (std::int64_t y = around.y0; y < around.y1; ++y) {
-            const float *const a = channel.value.row(y), *const b = channel.value.row(y + dy) + dx,
-                               *const v = channel.variance.row(y), *const w = channel.variance.row(y + dy) + dx;
-            float* const to = squares.row(y);
-            for (std::int64_t x = around.x0; x < around.x1; ++x)
-                to[x] += share * ((a[x] - b[x]) * (a[x] - b[x]) / (bounded(v[x], a[x]) + bounded(w[x], b[x]) + 1e-30f));
+            const float *const a = channel.value.row(y) + around.x0, *const v = channel.variance.row(y) + around.x0,
+                               *const b = channel.value.row(y + dy) + around.x0 + dx,
+                               *const w = channel.variance.row(y + dy) + around.x0 + dx;
+            add_differences(static_cast<std::size_t>(around.width()), share, a, b, v, w, squares.row(y) + around.x0);
         }
     }
     Plane weights = means_around(squares, pairs, kPatch);
+    const auto n = static_cast<std::size_t>(pairs.width());
     for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
-        float* const weight = weights.row(y);
-        for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) weight[x] = falling(std::max(0.0f, weight[x] - 1) * (1 / kBeyond));
+        float* const weight = weights.row(y) + pairs.x0;
+        weigh_differences(n, weight);
+        weigh_surfaces(n, dx, dy, y, pairs.x0, weight);
     }
-    weigh_surfaces(dx, dy, pairs, weights);
-    for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
-        const float* const weight = weights.row(y);
-        float* const sum = weights_.row(y);
-        for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) sum[x] += weight[x];
+    add_weighted(weights, dx, dy, 0, 0);
+    add_weighted(weights, -dx, -dy, -dx, -dy);
+}
+
+// The neighbours (dx, dy) further, with the weights that stand (weight_x, weight_y) further.
+void Denoiser::add_weighted(const Plane& weights, std::int64_t dx, std::int64_t dy, std::int64_t weight_x, std::int64_t weight_y) {
+    const PixelRect pixels = intersection(wanted_, moved(weights.pixels(), -weight_x, -weight_y));
+    if (pixels.empty()) return;
+    const auto n = static_cast<std::size_t>(pixels.width());
+    for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
+        const float* const weight = weights.row(y + weight_y) + pixels.x0 + weight_x;
+        add_row(n, weight, weights_.row(y) + pixels.x0);
         for (Channel& channel : channels_) {
-            const float *const b = channel.value.row(y + dy) + dx, *const w = channel.variance.row(y + dy) + dx;
-            float *const to = channel.sum.row(y), *const variance = channel.variance_sum.row(y);
-            for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) {
-                to[x] += weight[x] * b[x];
-                variance[x] += weight[x] * weight[x] * w[x];
-            }
+            add_products(n, weight, channel.value.row(y + dy) + pixels.x0 + dx, channel.sum.row(y) + pixels.x0);
+            if (with_variance_)
+                add_squared_products(n, weight, channel.variance.row(y + dy) + pixels.x0 + dx,
+                                     channel.variance_sum.row(y) + pixels.x0);
         }
     }
 }
 
-void Denoiser::weigh_surfaces(std::int64_t dx, std::int64_t dy, const PixelRect& pairs, Plane& weights) const {
-    const auto weigh_vectors = [&](const std::vector<Plane>& planes, float width) {
-        if (planes.empty()) return;
-        const float scale = 1 / (kSquares * width * width);
-        for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
-            float* const weight = weights.row(y);
-            const float *const a0 = planes[0].row(y), *const a1 = planes[1].row(y), *const a2 = planes[2].row(y);
-            const float *const b0 = planes[0].row(y + dy) + dx, *const b1 = planes[1].row(y + dy) + dx,
-                               *const b2 = planes[2].row(y + dy) + dx;
-            for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) {
-                const float d0 = a0[x] - b0[x], d1 = a1[x] - b1[x], d2 = a2[x] - b2[x];
-                weight[x] *= falling((d0 * d0 + d1 * d1 + d2 * d2) * scale);
-            }
-        }
+// Of n pixels from (x, y) on, and their neighbours.
+void Denoiser::weigh_surfaces(std::size_t n, std::int64_t dx, std::int64_t dy, std::int64_t y, std::int64_t x,
+                              float* weights) const {
+    const auto vectors = [](const std::vector<Plane>& planes, std::int64_t at_x, std::int64_t at_y) {
+        return Vectors{planes[0].row(at_y) + at_x, planes[1].row(at_y) + at_x, planes[2].row(at_y) + at_x};
     };
-    weigh_vectors(albedo_, kAlbedo);
-    weigh_vectors(normal_, kNormal);
-    if (depth_.empty()) return;
-    const float scale = 1 / (kSquares * kDepth * kDepth * static_cast<float>(dx * dx + dy * dy));
-    for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
-        float* const weight = weights.row(y);
-        const float *const a = depth_[0].row(y), *const b = depth_[0].row(y + dy) + dx;
-        for (std::int64_t x = pairs.x0; x < pairs.x1; ++x) {
-            const float difference = a[x] - b[x], depth = std::max(a[x], b[x]);
-            weight[x] *= falling(difference * difference * scale / (depth * depth + 1e-30f));
-        }
+    for (const auto& [planes, width] : {std::pair(&albedo_, kAlbedo), {&normal_, kNormal}}) {
+        if (!planes->empty())
+            weigh_vectors(n, 1 / (kSquares * width * width), vectors(*planes, x, y), vectors(*planes, x + dx, y + dy), weights);
     }
+    const float scale = 1 / (kSquares * kDepth * kDepth * static_cast<float>(dx * dx + dy * dy));
+    if (!depth_.empty()) weigh_depths(n, scale, depth_[0].row(y) + x, depth_[0].row(y + dy) + x + dx, weights);
 }
 
 }  // namespace
