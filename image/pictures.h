@@ -35,6 +35,7 @@ struct PictureInfo {
     std::uint64_t whole_bytes = 0;                         // decoded with its smaller sizes, if the file has no tiles; else 0
     bool is_opaque = true;                                 // alpha, if there is one, is 1 everywhere
     std::optional<std::array<float, 8>> chromaticities{};  // color/rgb_space.h
+    bool is_white_neutral = false;                         // equal R, G and B are grey, whatever white these name
 };
 
 // Linear values, rows from the top.

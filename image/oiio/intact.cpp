@@ -218,30 +218,39 @@ Status check_tiff(const std::string& path) {
 
 }  // namespace
 
-Status check_intact(const std::string& path) {
+namespace {
+
+Result<bool> checked(const Status& status) {
+    if (!status) return status.error();
+    return true;
+}
+
+}  // namespace
+
+Result<bool> check_intact(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     std::array<char, 8> front{};
     in.read(front.data(), front.size());
     const std::string_view bytes(front.data(), front.size());
     std::error_code failed;
     const std::uintmax_t size = std::filesystem::file_size(path, failed);
-    if (failed) return {};
+    if (failed) return false;
     if (size == 0) return Error{ErrorCode::kCorrupt, "the file is empty"};
-    if (bytes == std::string_view("\x89PNG\r\n\x1a\n")) return check_png(in);
-    if (bytes.starts_with("\x89PNG") && size < bytes.size()) return cut_off();
-    if (bytes.starts_with("\x89PNG")) return damaged("its signature is not PNG's, as after a transfer in text mode");
-    if (bytes.starts_with("II") || bytes.starts_with("MM")) return check_tiff(path);
+    if (bytes == std::string_view("\x89PNG\r\n\x1a\n")) return checked(check_png(in));
+    if (bytes.starts_with("\x89PNG") && size < bytes.size()) return cut_off().error();
+    if (bytes.starts_with("\x89PNG")) return damaged("its signature is not PNG's, as after a transfer in text mode").error();
+    if (bytes.starts_with("II") || bytes.starts_with("MM")) return checked(check_tiff(path));
     if (bytes == "version ")
         return Error{ErrorCode::kForeign, "the file is a Git LFS pointer instead of the picture; fetch that with: git lfs pull"};
     in.clear();
     in.seekg(0);
     for (const std::string_view pnm : {"PF", "Pf", "P5", "P6"}) {
-        if (bytes.starts_with(pnm)) return check_pnm(in, size);
+        if (bytes.starts_with(pnm)) return checked(check_pnm(in, size));
     }
-    if (bytes.starts_with("RIFF")) return check_webp(in, size);
-    if (!bytes.starts_with("\xFF\xD8\xFF")) return {};
+    if (bytes.starts_with("RIFF")) return checked(check_webp(in, size));
+    if (!bytes.starts_with("\xFF\xD8\xFF")) return false;
     in.seekg(2);
-    return check_jpeg(in);
+    return checked(check_jpeg(in));
 }
 
 }  // namespace latent::image

@@ -9,7 +9,7 @@
 
 namespace latent::image {
 
-// Reads the whole file. Errors: kCorrupt, without the path. Files of other formats, and those that cannot be read, are not checked.
-Status check_intact(const std::string& path);
+// Reads the whole file. False: it is of another format, or cannot be read, and was not checked. Errors: kCorrupt, without the path.
+Result<bool> check_intact(const std::string& path);
 
 }  // namespace latent::image

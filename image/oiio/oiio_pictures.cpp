@@ -39,7 +39,7 @@ Error error_of(const FileName& file, std::string message, std::string_view other
     }
     const auto says = [&](std::string_view text) { return message.find(text) != std::string::npos; };
     if (says("end of file") || (says("asked for") && says("got"))) message = "the file is cut off";
-    if (says("Error reading from")) message = "the file is cut off or damaged";
+    if (says("Error reading from") || says("Error reading pixel data")) message = "the file is cut off or damaged";
     if (message == "Couldn't decode" || says("not a WebP")) message = "the file is damaged: its pixels cannot be decoded";
     return {ErrorCode::kCorrupt,
             fmt::format("{}: cannot be read as a picture: {}", file.in_messages, message.empty() ? otherwise : message)};
@@ -58,6 +58,7 @@ Result<PictureInfo> info_of(const FileName& file, const OIIO::ImageSpec& spec) {
     std::array<float, 8> chromaticities{};
     if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data()))
         info.chromaticities = chromaticities;
+    info.is_white_neutral = spec.get_int_attribute("latent:neutral") != 0;
     return info;
 }
 
@@ -82,7 +83,11 @@ class OiioPictures final : public Pictures {
     Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) override {
         const FileName file{path, in_messages};
         if (!intact_.contains(path)) {
-            if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
+            const Result<bool> checked = check_intact(path);
+            if (!checked) return error_of(file, checked.error().message);
+            if (!*checked) {
+                if (Status s = check_end(file, encoding); !s) return s.error();
+            }
             intact_.insert(path);
         }
         const OIIO::ustring name(fmt::format("{}#{}", path, handles_.size()));
@@ -144,7 +149,7 @@ class OiioPictures final : public Pictures {
     Result<WholePicture> read(const std::string& path, const std::string& in_messages,
                               const PictureEncoding& encoding) const override {
         const FileName file{path, in_messages};
-        if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
+        if (const Result<bool> intact = check_intact(path); !intact) return error_of(file, intact.error().message);
         LinearInput input;
         OIIO::ImageSpec spec;
         if (!input.open(path, spec, LinearInput::configuration(path, encoding))) return error_of(file, input.geterror());
@@ -261,6 +266,23 @@ class OiioPictures final : public Pictures {
             if (x >= 0 && y >= 0 && !read(x, y, 1, out + i * handle.channels)) return false;
         }
         return true;
+    }
+
+    // Reads the last rows: most formats must be decoded up to there.
+    static Status check_end(const FileName& file, const PictureEncoding& encoding) {
+        LinearInput input;
+        OIIO::ImageSpec spec;
+        if (!input.open(file.path, spec, LinearInput::configuration(file.path, encoding))) return error_of(file, input.geterror());
+        if (spec.depth > 1 || spec.deep) return {};  // refused later
+        const int end = spec.y + spec.height, rows = spec.tile_height > 0 ? (spec.height - 1) % spec.tile_height + 1 : 1;
+        std::vector<float> values(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(rows) *
+                                  static_cast<std::size_t>(spec.nchannels));
+        const bool read = spec.tile_width > 0 ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, end - rows, end, 0, 1, 0,
+                                                                 spec.nchannels, OIIO::TypeDesc::FLOAT, values.data())
+                                              : input.read_scanlines(0, 0, end - rows, end, 0, 0, spec.nchannels,
+                                                                     OIIO::TypeDesc::FLOAT, values.data());
+        if (!read) return error_of(file, input.geterror(), "the file is cut off or damaged");
+        return {};
     }
 
     // A few rows at a time.

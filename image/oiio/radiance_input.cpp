@@ -25,7 +25,10 @@ bool RadianceInput::open(const std::string& path, OIIO::ImageSpec& spec) {
     m_spec = OIIO::ImageSpec(width_, height_, 3, OIIO::TypeDesc::FLOAT);
     constexpr std::array<float, 8> kXyz{1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3};
     if (is_xyz_) primaries_ = kXyz;
-    if (primaries_) m_spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), primaries_->data());
+    if (primaries_) {
+        m_spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), primaries_->data());
+        m_spec.attribute("latent:neutral", 1);
+    }
     spec = m_spec;
     return true;
 }

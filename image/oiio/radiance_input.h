@@ -14,7 +14,8 @@
 
 namespace latent::image {
 
-// Three floats a pixel. "chromaticities" are the PRIMARIES of the header, if there are any, or for XYZE the axes of XYZ.
+// Three floats a pixel. "chromaticities" are the PRIMARIES of the header, if there are any, or for XYZE the axes of XYZ;
+// "latent:neutral": their white is neutral, as Radiance has it.
 class RadianceInput final : public OIIO::ImageInput {
  public:
     const char* format_name() const override { return "radiance"; }

@@ -93,8 +93,10 @@ std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
                           {"denoised", preview.is_denoised}};
         return json_text(out) + "\n";
     }
-    const std::string print = preview.is_black ? "all black: check where the camera looks and where the lights are"
-                                               : fmt::format("printed with -s {:.4g}", preview.sensitivity);
+    const std::string print = preview.is_black
+                                  ? "all black: check where the camera looks, and whether it is in a closed shape that no light "
+                                    "gets into"
+                                  : fmt::format("printed with -s {:.4g}", preview.sensitivity);
     return fmt::format("{}: {} x {} pixels, {}{}, {}\n{}", preview.picture.string(), preview.width, preview.height,
                        format_samples_per_pixel(per_pixel), preview.is_denoised ? ", denoised" : "", print,
                        to_text(preview.forecast, job, false));

@@ -68,7 +68,8 @@ struct Textures::Builder {
                                                 const std::optional<ImageLookup>& picture) {
         color::Matrix3 to_srgb;
         if (picture && picture->info().chromaticities) {
-            const Result<color::Matrix3> matrix = color::srgb_from(*picture->info().chromaticities);
+            const Result<color::Matrix3> matrix =
+                color::srgb_from(*picture->info().chromaticities, picture->info().is_white_neutral);
             if (matrix) to_srgb = *matrix;
             if (!matrix) errors.push_back(matrix.error().at(d.picture.name).message);
         }

@@ -134,14 +134,17 @@ TEST_F(Obj, IllumIsGlassOnlyWhereTheColoursAgree) {
     EXPECT_LT(green.spectra.at("transmittance").value(650), 0.1);
 }
 
-// Mirroring, a Ks above Kd, a hue of Ks: two of the three make a metal.
+// A mirror whose Ks is above Kd, or has a hue; others must have both, plainly.
 TEST_F(Obj, TwoSignsOfAMetalMakeOne) {
     const auto metallic = [&](const std::string& mtl) { return material(mtl).number("metallic").value; };
     for (const char* metal : {"illum 3\nKd 0 0 0\nKs .8 .8 .8\n", "illum 8\nKd 0 .8 0\nKs 0 .8 0\n",
                               "illum 2\nKd 0 0 0\nKs .95 .64 .54\n", "Kd 0 0 0\nKs .9 .6 .3\n", "illum 5\nKd 0 0 0\nKs .9 .6 .3\n"})
         EXPECT_EQ(metallic(metal), 1) << metal;
     for (const char* plastic :
-         {"illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n", "illum 2\nKd 0 0 0\nKs .8 .8 .8\n", "illum 2\nKd .9 .6 .3\nKs .9 .6 .3\n"})
+         {"illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n", "illum 2\nKd 0 0 0\nKs .8 .8 .8\n", "illum 2\nKd .9 .6 .3\nKs .9 .6 .3\n",
+          // OpenGL's red plastic, yellow plastic and red rubber, and a black with a warm highlight.
+          "illum 2\nKd .5 0 0\nKs .7 .6 .6\n", "illum 2\nKd .5 .5 0\nKs .6 .6 .5\n", "illum 2\nKd .5 .4 .4\nKs .7 .04 .04\n",
+          "illum 2\nKd .02 .02 .02\nKs .8 .75 .7\n"})
         EXPECT_EQ(metallic(plastic), 0) << plastic;
     EXPECT_EQ(material("illum 1\nKd 0 0 0\nKs .95 .64 .54\n").type, "diffuse");
     // Its colour is Ks; it is as rough as Ns says, unless it mirrors.

@@ -57,7 +57,8 @@ TEST_F(PreviewTest, ABlackPictureIsSaidToBeBlackWithItsForecast) {
     const Outcome outcome = latent::testing::run({latent::testing::tool("latent-render"), scene.string(), "-o",
                                                   (folder_ / "p.latent").string(), "--spp", "4", "--preview", "60"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 20 x 20 pixels, 4 samples per pixel, denoised, all black: check where"));
+    EXPECT_THAT(outcome.out,
+                HasSubstr("p.preview.png: 20 x 20 pixels, 4 samples per pixel, denoised, all black: check where the camera looks"));
     EXPECT_THAT(outcome.out, HasSubstr("1600 samples would take"));
     EXPECT_EQ(png_size("p.preview.png"), (std::pair{20u, 20u}));
 }

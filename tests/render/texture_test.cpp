@@ -229,8 +229,8 @@ TEST_F(TextureTest, RadiancePicturesAreTheSameInEveryForm) {
     expect("from_the_bottom.hdr", "\n+Y 2 +X 8\n", lower + upper);
     expect("from_the_right.hdr", "\n-Y 2 -X 8\n", times_4(b) + times_4(a) + times_4(d) + times_4(c));
     expect("exposed.hdr", "EXPOSURE=0.5\nEXPOSURE=0.25\nCOLORCORR=2 2 2\n\n" + size, upper + lower, 4);
-    // X = Y = Z = 1/2, in R, G and B of sRGB.
-    const std::array<float, 3> rgb{0.6023922f, 0.4741504f, 0.4544213f};
+    // X = Y = Z is grey.
+    const std::array<float, 3> rgb{0.5f, 0.5f, 0.5f};
     folder_.write("rgb.pfm", "PF\n1 1\n-1.0\n" + std::string(reinterpret_cast<const char*>(rgb.data()), sizeof(rgb)));
     load_spectrum("\"imagemap\" \"string filename\" \"rgb.pfm\"");
     const SampledSpectrum expected = spectrum_at(0.5f, 0.5f);
@@ -631,15 +631,35 @@ TEST_F(TextureTest, PicturesOfOtherFormatsAreRefused) {
     }
 }
 
-TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
-    std::string text = "P2\n64 640\n255\n";
-    for (int i = 0; i < 64 * 70; ++i) text += "120\n";
-    folder_.write("p.pgm", text);
-    load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"bilinear\"");
+TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorBeforeItIsUsed) {
+    const std::string tga = std::string("\0\0\2\0\0\0\0\0\0\0\0\0\100\0\100\0\30\0", 18) + std::string(3000, 'x');
+    const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 4\n" + std::string(500, '\x80');
+    std::string pgm = "P2\n64 640\n255\n";
+    for (int i = 0; i < 64 * 70; ++i) pgm += "120\n";
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+    ASSERT_TRUE(pictures);
+    for (const auto& [name, bytes] : {std::pair("a.tga", tga), {"a.hdr", hdr}, {"a.pgm", pgm}}) {
+        folder_.write(name, bytes);
+        const Result<image::PictureInfo> info = (*pictures)->open(folder_ / name, name, {});
+        ASSERT_FALSE(info) << name;
+        EXPECT_THAT(info.error().message, HasSubstr(std::string(name) + ": cannot be read as a picture: the file is cut off"));
+    }
+}
+
+TEST_F(TextureTest, APictureThatIsDamagedInTheMiddleIsAnErrorWhereThatIsNeeded) {
+    testing::write_exr(folder_ / "p.exr", 64, 640, std::vector<float>(3 * 64 * 640, 0.5f));
+    const std::filesystem::path path = folder_ / "p.exr";
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(path) / 2));
+    file << std::string(std::filesystem::file_size(path) / 8, '\xFF');
+    file.close();
+    load_float("\"imagemap\" \"string filename\" \"p.exr\" \"string filter\" \"bilinear\"");
     at(0.5f, 0.05f);
+    EXPECT_TRUE(textures_->status());
+    at(0.5f, 0.45f);
     ASSERT_FALSE(textures_->status());
     EXPECT_THAT(textures_->status().error().message,
-                ::testing::ContainsRegex("room.pbrt:[0-9]+:1: [^\n]*p.pgm: cannot be read as a picture"));
+                ::testing::ContainsRegex("room.pbrt:[0-9]+:1: [^\n]*p.exr: cannot be read as a picture"));
 }
 
 // One without tiles is decoded again and again where it does not fit.

@@ -70,7 +70,7 @@ Result<FilePicture> read_other(const std::filesystem::path& path, const std::str
     const image::PictureInfo& info = picture->info;
     FilePicture out{info.width, info.height};
     if (info.chromaticities) {
-        const Result<color::Matrix3> matrix = color::srgb_from(*info.chromaticities);
+        const Result<color::Matrix3> matrix = color::srgb_from(*info.chromaticities, info.is_white_neutral);
         if (!matrix) return matrix.error().at(in_messages);
         out.srgb_from_file = *matrix;
     }

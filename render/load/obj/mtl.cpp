@@ -56,8 +56,24 @@ double number_within(const Statements& s, double low, double high, std::size_t w
     return std::clamp(x, low, high);
 }
 
+// The first word that should be a number and is none; none if there is no such word.
+std::optional<std::string_view> malformed(const Statements& s) {
+    const std::vector<std::string_view>& words = s.words();
+    const std::string_view first = words.size() > 1 ? words[1] : std::string_view();
+    const bool is_rgb = s.keyword() == "Kd" || s.keyword() == "Ks" || s.keyword() == "Ke" || s.keyword() == "Tf";
+    if (is_rgb && (first == "spectral" || first == "xyz")) return std::nullopt;
+    const std::size_t begin = first == "-halo" ? 2 : 1, end = is_rgb && words.size() > 3 ? 4 : begin + 1;
+    for (std::size_t i = begin; i < end; ++i) {
+        if (i >= words.size()) return "";
+        if (!finite_number(words[i])) return words[i];
+    }
+    return std::nullopt;
+}
+
 void read_property(const Statements& s, MtlBlock& b) {
     const std::string_view key = s.keyword();
+    if (const std::optional<std::string_view> word = malformed(s))
+        return s.warn(fmt::format("{}: \"{}\" is not a finite number; the statement is ignored", key, word->substr(0, 40)));
     if (key == "Kd") {
         b.kd = rgb_of(s);
     } else if (key == "Ks") {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "render/load/files/pictures.h"
@@ -56,17 +55,15 @@ LinearRgb tint_of_glass(const MtlBlock& b) {
     return most > 0 ? LinearRgb{(*b.kd)[0] / most, (*b.kd)[1] / most, (*b.kd)[2] / most} : LinearRgb{1, 1, 1};
 }
 
-// How much of a surface is a metal of reflectance Ks. Three things speak for it: it mirrors; Ks is brighter than Kd; Ks has a hue.
-// None is enough, since exporters write each of them for plastic, too; two are. So it is the middle one of the three.
+// How much of a surface is a metal of reflectance Ks. Where illum says that it mirrors: as far as Ks is brighter than Kd, or has a
+// hue. Elsewhere exporters write both for plastic, too, and viewers show plastic: then Ks must have a hue, and Kd must be dark.
 double metal_share(const MtlBlock& b, const LinearRgb& kd) {
-    constexpr double kHue = 0.25;  // of Ks, from which it is a hue: gold and copper have twice that
     const LinearRgb mirror = ks_of(b);
     const double ks = std::ranges::max(mirror), brightest = std::max(ks, std::ranges::max(kd));
     if (b.illum < 2 || b.has("map_Kd") || brightest == 0) return 0;
-    std::array<double, 3> signs{mirrors(b) ? 1.0 : 0.0, std::max(ks - std::ranges::max(kd), 0.0) / brightest,
-                                std::min((ks - std::ranges::min(mirror)) / (kHue * brightest), 1.0)};
-    std::ranges::sort(signs);
-    return signs[1];
+    const double brighter = (ks - std::ranges::max(kd)) / brightest;
+    const double hue = (ks - std::ranges::min(mirror)) / brightest / 0.2 - 1;  // 1 for copper, 2 for gold
+    return std::clamp(mirrors(b) ? std::max(brighter, hue) : std::min(2 * brighter - 1, hue), 0.0, 1.0);
 }
 
 class Describer {

@@ -59,16 +59,20 @@ std::string Statements::rest(std::size_t first, std::size_t end) const {
     return std::string(is_quoted ? all.substr(1, all.size() - 2) : all);
 }
 
+std::optional<double> finite_number(std::string_view word) {
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double x = 0;
+    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), x);
+    const bool is_read = fault == std::errc{} && end == word.data() + word.size() && std::isfinite(static_cast<float>(x));
+    return is_read ? std::optional(x) : std::nullopt;
+}
+
 double Statements::number(std::size_t i) const {
     if (i >= words_.size()) {
         error(fmt::format("{}: a number is missing", keyword()));
         return 0;
     }
-    std::string_view word = words_[i];
-    if (word.starts_with('+')) word.remove_prefix(1);
-    double x = 0;
-    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), x);
-    if (fault == std::errc{} && end == word.data() + word.size() && std::isfinite(static_cast<float>(x))) return x;
+    if (const std::optional<double> x = finite_number(words_[i])) return *x;
     error(fmt::format("{}: \"{}\" is not a finite number", keyword(), std::string(words_[i].substr(0, 40))));
     return 0;
 }

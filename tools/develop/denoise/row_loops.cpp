@@ -2,9 +2,10 @@
 #define HWY_TARGET_INCLUDE "tools/develop/denoise/row_loops.cpp"
 #include "tools/develop/denoise/row_loops.h"
 
-#include <algorithm>
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
+
+#include <algorithm>
 
 // Plain loops, which compilers turn into vectors of each instruction set.
 HWY_BEFORE_NAMESPACE();
@@ -27,8 +28,8 @@ void AddRow(std::size_t n, const float* HWY_RESTRICT from, float* HWY_RESTRICT t
     for (std::size_t i = 0; i < n; ++i) to[i] += from[i];
 }
 
-void AddDifferences(std::size_t n, float share, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b, const float* HWY_RESTRICT v,
-                    const float* HWY_RESTRICT w, float* HWY_RESTRICT to) {
+void AddDifferences(std::size_t n, float share, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b,
+                    const float* HWY_RESTRICT v, const float* HWY_RESTRICT w, float* HWY_RESTRICT to) {
     for (std::size_t i = 0; i < n; ++i)
         to[i] += share * ((a[i] - b[i]) * (a[i] - b[i]) / (Bounded(v[i], a[i]) + Bounded(w[i], b[i]) + 1e-30f));
 }
@@ -46,7 +47,8 @@ void WeighVectors(std::size_t n, float scale, const Vectors& a, const Vectors& b
     }
 }
 
-void WeighDepths(std::size_t n, float scale, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b, float* HWY_RESTRICT weights) {
+void WeighDepths(std::size_t n, float scale, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b,
+                 float* HWY_RESTRICT weights) {
     for (std::size_t i = 0; i < n; ++i) {
         const float difference = a[i] - b[i], depth = std::max(a[i], b[i]);
         weights[i] *= Falling(difference * difference * scale / (depth * depth + 1e-30f));
@@ -57,7 +59,8 @@ void AddProducts(std::size_t n, const float* HWY_RESTRICT weights, const float* 
     for (std::size_t i = 0; i < n; ++i) sums[i] += weights[i] * values[i];
 }
 
-void AddSquaredProducts(std::size_t n, const float* HWY_RESTRICT weights, const float* HWY_RESTRICT values, float* HWY_RESTRICT sums) {
+void AddSquaredProducts(std::size_t n, const float* HWY_RESTRICT weights, const float* HWY_RESTRICT values,
+                        float* HWY_RESTRICT sums) {
     for (std::size_t i = 0; i < n; ++i) sums[i] += weights[i] * weights[i] * values[i];
 }
 

@@ -51,24 +51,6 @@ void WeighByRim(const RearRim& rim, const std::uint8_t* x, const std::uint8_t* y
     });
 }
 
-void WeighByRollingShutter(const RollingShutter& shutter, const std::uint8_t* times, const std::uint32_t* v,
-                           std::span<float> weights) {
-    const auto last = static_cast<float>(shutter.open.size() - 2);
-    const float* const open = shutter.open.data();
-    ForRows<float>(weights.size(), [&](auto d, std::size_t i) HWY_ATTR {
-        const hn::RebindToSigned<decltype(d)> di;
-        const auto time = hn::ConvertTo(d, hn::ShiftLeft<4>(LoadBytes(di, times + i)));
-        static_assert(RollingShutter::kStepsPerCell == 1 << 4);
-        const auto after = hn::Sub(hn::Sub(time, hn::Set(d, shutter.begins)),
-                                   hn::Mul(LoadPositions(d, v + i), hn::Set(d, shutter.later * 0x1p-24f)));
-        const auto step = hn::Min(hn::Max(after, hn::Zero(d)), hn::Set(d, last));
-        const auto entry = hn::ConvertTo(di, step);
-        const auto here = hn::GatherIndex(d, open, entry), next = hn::GatherIndex(d, open + 1, entry);
-        const auto share = hn::Add(here, hn::Mul(hn::Sub(step, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
-        hn::StoreU(hn::Mul(hn::LoadU(d, &weights[i]), share), d, &weights[i]);
-    });
-}
-
 void MovePositions(const AxisMove& along_u, const AxisMove& along_v, int level, const std::uint8_t* x, const std::uint8_t* y,
                    std::uint32_t* u, std::uint32_t* v, std::span<std::uint32_t> cells) {
     constexpr float kMost = 0x1p31f - 0x1p7f;  // the largest float below 2^31
@@ -102,17 +84,11 @@ HWY_AFTER_NAMESPACE();
 namespace latent::develop {
 
 LATENT_SIMD_EXPORT(WeighByRim);
-LATENT_SIMD_EXPORT(WeighByRollingShutter);
 LATENT_SIMD_EXPORT(MovePositions);
 
 void weigh_by_rim(const RearRim& rim, const std::uint8_t* x, const std::uint8_t* y, const std::uint32_t* u, const std::uint32_t* v,
                   std::span<float> weights) {
     LATENT_SIMD_CALL(WeighByRim)(rim, x, y, u, v, weights);
-}
-
-void weigh_by_rolling_shutter(const RollingShutter& shutter, const std::uint8_t* times, const std::uint32_t* v,
-                              std::span<float> weights) {
-    LATENT_SIMD_CALL(WeighByRollingShutter)(shutter, times, v, weights);
 }
 
 void move_positions(const AxisMove& along_u, const AxisMove& along_v, int level, const std::uint8_t* x, const std::uint8_t* y,

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace latent::develop {
 
@@ -15,17 +14,6 @@ struct RearRim {
 // Multiplies weights by the share of each record's cell (x, y) of the lens that lies within the rim.
 void weigh_by_rim(const RearRim& rim, const std::uint8_t* x, const std::uint8_t* y, const std::uint32_t* u, const std::uint32_t* v,
                   std::span<float> weights);
-
-// The transmission in a cell of time, by the time from the beginning of a row's exposure to that of the cell. Between the entries
-// it is linear, so that its sum over the cells is the same for all rows.
-struct RollingShutter {
-    static constexpr int kStepsPerCell = 16;
-    std::vector<float> open{};    // step by step, from -1 cell on; the last two are 0
-    float begins = 0, later = 0;  // in steps: the first entry, in the first row of the film; how much later it is in the last
-};
-// Multiplies weights by the transmission at each record's cell of time and row.
-void weigh_by_rolling_shutter(const RollingShutter& shutter, const std::uint8_t* times, const std::uint32_t* v,
-                              std::span<float> weights);
 
 // How far a lens that is focused elsewhere moves records along u or v, and which cells of the film are wanted.
 struct AxisMove {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tools/develop/lens/lens_rows.h"
+
 namespace latent::develop {
 
 namespace {
@@ -19,6 +21,9 @@ struct Moments {
     void add(double weight, double share) { mean += weight * share, square += weight * weight * share; }
     double kept() const { return square > 0 ? mean * mean / square : 0; }
 };
+
+// The leading 24 bits, which are exact as float and are signed for processors that convert only such.
+float fraction_of(std::uint32_t position) { return static_cast<float>(static_cast<std::int32_t>(position >> 8)) * 0x1p-24f; }
 
 }  // namespace
 
@@ -240,11 +245,10 @@ void LensWeights::set_shutter(const Shutter& shutter, const ShutterCurve& curve)
     }
     if (shutter.rolling > 0) {
         leaves_out_ = true;
-        constexpr int kSteps = RollingShutter::kStepsPerCell;
-        rolling_.begins = static_cast<float>(begins - 1) * kSteps;
-        rolling_.later = static_cast<float>(shutter.rolling * all) * kSteps;
-        for (double after = -1; after < exposed; after += 1.0 / kSteps) rolling_.open.push_back(transmission(after));
-        rolling_.open.insert(rolling_.open.end(), 2, 0.0f);
+        rolling_begins_ = static_cast<float>(begins - 1) * kStepsPerCell;
+        rolling_later_ = static_cast<float>(shutter.rolling * all) * kStepsPerCell;
+        for (double after = -1; after < exposed; after += 1.0 / kStepsPerCell) rolling_open_.push_back(transmission(after));
+        rolling_open_.insert(rolling_open_.end(), 2, 0.0f);
     }
     const double mean = curve.all() * (1 - shutter.rolling) / shutter.frames;
     time_mean_ = static_cast<float>(mean);
@@ -284,11 +288,26 @@ void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, Fa
 void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, Factors& out) const {
     const std::span<float> weights = out.share;
     const std::uint8_t* const times = leading_bytes(page.extra[*time_column_], begin, begin + weights.size(), out.lens[0]);
-    if (rolling_.open.empty()) {
+    if (rolling_open_.empty()) {
         for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[times[i]];
         return;
     }
-    weigh_by_rolling_shutter(rolling_, times, &page.v[begin], weights);
+    const auto last = static_cast<float>(rolling_open_.size() - 2);
+    const float* const open = rolling_open_.data();
+    std::array<std::int32_t, kAtOnce> entry;
+    std::array<float, kAtOnce> beyond, here, next;
+    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, weights.size() - done);
+        const std::uint32_t* const v = page.v.data() + begin + done;
+        for (std::size_t i = 0; i < count; ++i) {
+            const float time = static_cast<float>(times[done + i] * kStepsPerCell) - rolling_begins_;
+            const float step = std::min(std::max(time - fraction_of(v[i]) * rolling_later_, 0.0f), last);
+            entry[i] = static_cast<std::int32_t>(step);
+            beyond[i] = step - static_cast<float>(entry[i]);
+        }
+        for (std::size_t i = 0; i < count; ++i) here[i] = open[entry[i]], next[i] = open[entry[i] + 1];
+        for (std::size_t i = 0; i < count; ++i) weights[done + i] *= here[i] + beyond[i] * (next[i] - here[i]);
+    }
 }
 
 // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.

@@ -16,7 +16,6 @@
 #include "tools/develop/film/film_grid.h"
 #include "tools/develop/lens/aperture.h"
 #include "tools/develop/lens/lens_columns.h"
-#include "tools/develop/lens/lens_rows.h"
 #include "tools/develop/lens/shutter.h"
 
 namespace latent::develop {
@@ -116,7 +115,11 @@ class LensWeights {
     std::optional<std::size_t> time_column_{};
     std::array<float, 256> open_{};  // transmission in each cell of time; for a rolling shutter, that of the row in the middle
     float time_mean_ = 1;
-    RollingShutter rolling_{};  // not open: rows are exposed together
+    // Transmission in a cell of time, by the time from the beginning of a row's exposure to that of the cell. Between the entries,
+    // which begin at -1 cell, it is linear, so that its sum over the cells is the same for all rows.
+    static constexpr int kStepsPerCell = 16;
+    std::vector<float> rolling_open_{};             // none: rows are exposed together; the last two are 0
+    float rolling_begins_ = 0, rolling_later_ = 0;  // in steps: the first entry, in the first row; how much later it is in the last
 };
 
 }  // namespace latent::develop
