@@ -599,6 +599,16 @@ def principled_glass_coloured():
     on_show(principled(Base_Color=(0.8, 0.5, 0.3, 1), Transmission=1.0, Roughness=0.0, IOR=1.45)[0])
 
 
+@feature(5, "light that passes coloured glass several times has a spectrum, not three numbers", kind="ball")
+def principled_partly_glass():
+    on_show(principled(Base_Color=(0.9, 0.5, 0.3, 1), Transmission=0.6, Roughness=0.2, IOR=1.45)[0])
+
+
+@feature(5, kind="ball")
+def principled_metal_and_glass():
+    on_show(principled(Base_Color=(0.9, 0.6, 0.3, 1), Metallic=0.5, Transmission=0.8, Roughness=0.2)[0])
+
+
 def between_facets(name, **inputs):
     """With light that goes from facet to facet."""
 

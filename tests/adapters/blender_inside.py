@@ -180,7 +180,7 @@ for stretch, lines in (((1, 1, 1), []), ((1, 3, 1), [f"lamp {cone.name}: its she
 cone.data.type, cone.visible_camera, parent.scale = "POINT", False, (1, 1, 1)
 cone.data.shadow_soft_size = 0.2
 render()
-check("a hidden lamp is hidden from mirrors", any("mirrors do not show it" in line for line in engine.last["lost"]), engine.last["lost"])
+check("a hidden lamp is hidden from mirrors", any("mirrors do not show" in line for line in engine.last["lost"]), engine.last["lost"])
 bpy.data.objects.remove(cone)
 bpy.data.objects.remove(parent)
 
@@ -222,7 +222,28 @@ for kind in ("BsdfDiffuse", "BsdfPrincipled", "BsdfGlossy", "BsdfGlass", "BsdfTr
     render()
     check(f"a colour above 1 is listed ({kind})", "material floor: a colour above 1 is 1" in engine.last["lost"], engine.last["lost"])
     tree.nodes.remove(bright)
+
+# What a Principled lacks is listed by its name.
+bright = tree.nodes.new("ShaderNodeBsdfPrincipled")
+tree.links.new(bright.outputs[0], output.inputs["Surface"])
+wrong = {"IOR": (0.8, "index below 1"), "Coat IOR": (2.0, "index of the coat"), "Diffuse Roughness": (0.5, "diffuse roughness"), "Alpha": (1.5, "an alpha above 1"),
+         "Emission Strength": (-1.0, "negative emission")}
+for name in [name for name in wrong if name in bright.inputs and (name != "IOR" or "Coat IOR" in bright.inputs)]:
+    source, owner = tree.nodes.new("ShaderNodeValue"), bright.inputs["Coat Weight" if "Coat Weight" in bright.inputs else "Clearcoat"]
+    source.outputs[0].default_value, owner.default_value = wrong[name][0], float(name == "Coat IOR")
+    bright.inputs["Emission Color" if "Emission Color" in bright.inputs else "Emission"].default_value = (1, 1, 1, 1)
+    tree.links.new(source.outputs[0], bright.inputs[name])
+    render()
+    check(f"{name} of {wrong[name][0]} is listed", [wrong[name][1] in line for line in engine.last["lost"]] == [True], engine.last["lost"])
+    tree.nodes.remove(source)
+tree.nodes.remove(bright)
 tree.links.new(matt.outputs[0], output.inputs["Surface"])
+
+# A frame without light is black.
+lit, sun.data.energy, world.node_tree.nodes["Background"].inputs["Strength"].default_value = (sun.data.energy, 0.5), 0.0, 0.0
+render()
+check("a frame without light is black", picture().max() == 0, picture().max())
+sun.data.energy, world.node_tree.nodes["Background"].inputs["Strength"].default_value = lit
 
 # What a camera ray alone would see is listed, and the rest lights the scene.
 world_tree = world.node_tree

@@ -65,7 +65,7 @@ class Lamp:
 
     def __init__(self, owner, name, report, files, scene_ball, sees):
         self.owner, self.lamp, self.name, self.files, self.scene_ball, self.sees = owner, owner.data, name, files, scene_ball, sees
-        self.lost = report.of(f"lamp {owner.name}")
+        self.lost, self.lost_of_all = report.of(f"lamp {owner.name}"), report.of("lamps")
         self.color, self.profile = strength(self.lamp, self.lost)
 
     def export(self, pose):
@@ -97,7 +97,7 @@ class Lamp:
         visible = settings.visible == "ALWAYS" or settings.visible == "AUTO" and (self.owner.visible_camera or not self.sees(center, radius))
         hidden = {} if visible else {"float alpha": 0.0}
         if settings.visible == "AUTO" and not visible:
-            self.lost("mirrors do not show it either, and gloss is noisier (Visible in its panel changes that)")
+            self.lost_of_all("mirrors do not show those that the camera does not see, and gloss is noisier (Visible in their panel changes that)")
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more),
                 directive("Shape", kind, **shape, **hidden)]
 

@@ -109,7 +109,8 @@ class Reader:
 def limited(value, what, lost):
     if not is_constant(value) or 0 <= min(value.rgb) and max(value.rgb) <= 1:
         return value
-    lost(f"a {what} above 1 is 1" if max(value.rgb) > 1 else f"a {what} below 0 is 0")
+    article = "an" if what[0] in "aeiou" else "a"
+    lost(f"{article} {what} above 1 is 1" if max(value.rgb) > 1 else f"{article} {what} below 0 is 0")
     return each(lambda c: min(1.0, max(0.0, c)), value)
 
 
@@ -165,6 +166,8 @@ def measured_metal(reader, node, metal, rough):
 def glass(reader, node):
     rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.graph.constant(node, "Roughness")
     color = reader.value(node, "Color")
+    if differs(color, WHITE) and node.type == "BSDF_GLASS":
+        reader.graph.lost("what a Glass BSDF reflects is white, not of its colour")
     return Surface(("latent:principled", {"float transmission": 1.0, **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node, rough),
                                           **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
 
@@ -205,67 +208,72 @@ def hair(reader, node):
 
 
 def principled(reader, node):
-    """Inputs have other names since Blender 4.0."""
+    """Inputs have other names since Blender 4.0. What light passes is a material of its own, mixed with the rest."""
     graph, is_new = reader.graph, "Coat Weight" in node.inputs
     number = functools.partial(reader.number, node)
-    base, weight = limited(reader.value(node, "Base Color"), "colour", graph.lost), number("Subsurface Weight", "Subsurface")
-    if weight > 0:
-        graph.lost("the subsurface scattering of a Principled BSDF is matt")
-    below = base if is_new or weight == 0 else mix(base, reader.value(node, "Subsurface Color"), constant(weight))
-    transmission = reader.share(node, "Transmission Weight", "Transmission")
-    if is_new and is_constant(transmission) and transmission.number() > 0.5:  # light passes two surfaces
-        if is_constant(below):
-            below = each(lambda c: max(0.0, c) ** 0.5, below)
-        else:
-            graph.lost("a texture of its colour tints glass twice")
-    parameters = reader.set("color", "spectrum", raised(below, second_loss(reader, node, is_new)))
+    base, metallic, transmission = limited(reader.value(node, "Base Color"), "colour", graph.lost), reader.share(node, "Metallic"), reader.share(node, *TRANSMISSION)
+    below = base if is_new else mix(base, reader.value(node, "Subsurface Color"), constant(number("Subsurface")))
+    for name, value, owners, what in LACKING:
+        socket = graph.input(node, name)
+        if socket and reader.value(node, *(owners or (name,))) != BLACK and (socket.is_linked or value is not None and differs(reader.value(node, name), value)):
+            graph.lost(what)
+    if transmission != BLACK and not (is_constant(metallic) and (is_constant(transmission) or metallic.number() in (0, 1))):
+        graph.lost("transmission beside a texture of metallic, or the reverse, is left out")
+        transmission = BLACK
+    look = {}
     for name, names in PRINCIPLED.items():
         value = reader.share(node, *names)
         if value is not None:
-            parameters |= reader.set(name, "float", value)
-    passes = not is_constant(transmission) or transmission.number() > 0
-    metallic = reader.share(node, "Metallic")
-    if passes and not (is_constant(metallic) and (is_constant(transmission) or metallic.number() == 0)):
-        graph.lost("transmission beside a texture of metallic is left out")
-        parameters = {key: value for key, value in parameters.items() if key.split()[1] != "transmission"}
-        passes = False
-    if passes and parameters.pop("texture roughness", None):
-        parameters |= reader.set("roughness", "float", reader.graph.constant(node, "Roughness"))
-    if passes and (graph.input(node, "Transmission Roughness") and number("Transmission Roughness") > 0):
-        graph.lost("what passes through is as rough as what is reflected")
+            look |= reader.set(name, "float", value)
     ior, level = number("IOR"), number("Specular IOR Level", "Specular")
     f0 = min(0.99, ((ior - 1) / (ior + 1)) ** 2 * 2 * level if is_new else 0.08 * level)
     root = math.sqrt(max(f0, 0.0))
-    is_glass = passes and is_constant(transmission) and transmission.number() > 0.5
-    parameters |= spectra.index(reader.settings, ior if is_glass else (1 + root) / (1 - root))
-    if level == 0 and not is_glass:
-        parameters["float specular"] = 0.0
     tint = reader.value(node, "Specular Tint")
     if not is_new and is_constant(tint, base):
         luminance = max(base.number(), 1e-6)
         tint = mix(WHITE, Constant(tuple(min(1.0, c / luminance) for c in base.rgb)), tint)
     if is_constant(tint) and tint.rgb != WHITE.rgb and (is_new or tint.number() > 0):
-        parameters |= reader.set("specularcolor", "spectrum", tint)
+        look |= reader.set("specularcolor", "spectrum", tint)
     anisotropy = number("Anisotropic")
-    if anisotropy > 0 and "float roughness" in parameters:
-        alpha, aspect = parameters["float roughness"] ** 2, math.sqrt(1 - 0.9 * min(1.0, anisotropy))
-        parameters |= reader.stretched(node, alpha / aspect, alpha * aspect, "Anisotropic Rotation")
-    sheen = number("Sheen Weight", "Sheen")
-    if sheen > 0:
-        if is_new:
-            color = reader.value(node, "Sheen Tint")
-            parameters |= reader.set("sheen", "spectrum", product(color, constant(sheen)))
-            parameters["float sheenroughness"] = min(1.0, max(0.07, number("Sheen Roughness")))
-        else:
-            graph.lost("sheen is left out (Blender 4.0 has one that Latent knows)")
+    if anisotropy > 0 and "float roughness" in look:
+        alpha, aspect = look["float roughness"] ** 2, math.sqrt(1 - 0.9 * min(1.0, anisotropy))
+        look |= reader.stretched(node, alpha / aspect, alpha * aspect, "Anisotropic Rotation")
+    if is_new and number("Sheen Weight") > 0:
+        look |= reader.set("sheen", "spectrum", product(reader.value(node, "Sheen Tint"), constant(number("Sheen Weight"))))
+        look["float sheenroughness"] = min(1.0, max(0.07, number("Sheen Roughness")))
     if is_new and "Thin Film Thickness" in node.inputs and number("Thin Film Thickness") > 0:
-        parameters |= {"float film": 1.0, "float filmthickness": number("Thin Film Thickness"), "float filmeta": number("Thin Film IOR")}
-    if is_new and number("Coat Weight") > 0 and reader.value(node, "Coat Tint") != WHITE:
-        graph.lost("the tint of the coat is white")
-    metal = spectra.metal(reader.settings)
-    surface = Surface(("latent:principled", {**parameters, **facets(reader, node, reader.value(node, "Roughness")), **reader.relief(node)}))
-    if metal and is_constant(metallic) and metallic.number() == 1 and is_constant(reader.value(node, "Roughness")):
-        surface.material = measured_metal(reader, node, metal, reader.value(node, "Roughness"))
+        look |= {"float film": 1.0, "float filmthickness": number("Thin Film Thickness"), "float filmeta": number("Thin Film IOR")}
+    look |= {**facets(reader, node, reader.value(node, "Roughness")), **reader.relief(node)}
+
+    def part(color, eta, **more):
+        return Surface(("latent:principled", {**look, **reader.set("color", "spectrum", color), **spectra.index(reader.settings, eta), **more}))
+
+    def opaque(color, share):
+        return part(color, (1 + root) / (1 - root), **reader.set("metallic", "float", share), **({"float specular": 0.0} if level == 0 else {}))
+
+    measured, bright = spectra.metal(reader.settings), raised(below, second_loss(reader, node, metallic, is_new))
+    metal = metallic.number() if is_constant(metallic) else 0
+    if metal < 1 and ior < 1 and is_new and transmission != WHITE:
+        graph.lost("gloss of an index below 1 is that of its inverse")
+    if metal == 1 and measured and is_constant(reader.value(node, "Roughness")):
+        surface = Surface(measured_metal(reader, node, measured, reader.value(node, "Roughness")))
+    elif metal == 1 or transmission == BLACK:
+        surface = opaque(bright, metallic)
+    else:
+        clear = product(transmission, constant(1 - metal))
+        if metal == 0:
+            rest = opaque(bright, BLACK)
+        elif is_new:  # all of the metal is in the rest
+            rest = opaque(bright, constant(metal / (1 - clear.number())))
+        else:  # transmission takes as much of the metal and the gloss, and more of what is matt
+            matt = product(bright, constant((1 - transmission.number()) / (1 - clear.number())))
+            rest = Surface(mixture(reader, opaque(matt, BLACK), opaque(bright, WHITE), metallic))
+        if look.pop("texture roughness", None):
+            look |= reader.set("roughness", "float", graph.constant(node, "Roughness"))
+        if reader.share(node, *COAT) != BLACK or is_new and number("Sheen Weight") > 0:
+            graph.lost("coat and sheen are left out where light passes")
+        passing = part(passed(reader, below) if is_new else below, ior, **{"float transmission": 1.0})
+        surface = passing if clear == WHITE else Surface(mixture(reader, rest, passing, clear))
     strength, color = reader.value(node, "Emission Strength"), reader.value(node, "Emission Color", "Emission")
     if not (is_constant(strength) and strength.number() == 0) and not (is_constant(color) and max(color.rgb) == 0):
         surface.emission.append((color, strength))
@@ -273,15 +281,39 @@ def principled(reader, node):
     return surface
 
 
+def passed(reader, color):
+    """At each of two surfaces, since 4.0."""
+    if is_constant(color):
+        return each(math.sqrt, color)
+    reader.graph.lost("a texture of its colour tints glass twice")
+    return color
+
+
+TRANSMISSION, COAT = ("Transmission Weight", "Transmission"), ("Coat Weight", "Clearcoat")
+# Inputs of a Principled BSDF, the only value that Latent has (None: unlinked), the input that must not be 0, too, and what is said of others.
+LACKING = (
+    *((name, BLACK, (), "the subsurface scattering of a Principled BSDF is matt") for name in ("Subsurface Weight", "Subsurface")),
+    ("Diffuse Roughness", BLACK, (), "its diffuse roughness is 0"),
+    ("Sheen", BLACK, (), "sheen is left out (Blender 4.0 has one that Latent knows)"),
+    ("Transmission Roughness", BLACK, TRANSMISSION, "what passes through is as rough as what is reflected"),
+    ("Coat Tint", WHITE, COAT, "the tint of the coat is white"),
+    ("Coat IOR", constant(1.5), COAT, "the index of the coat is 1.5"),
+    *((name, None, COAT, "the coat has the normals of the shape") for name in ("Coat Normal", "Clearcoat Normal")),
+)
+
+
+def differs(value, expected):
+    return not is_constant(value) or max(abs(c - e) for c, e in zip(value.rgb, expected.rgb)) > 1e-3
+
+
 # The mean reflectance of a smooth surface of index 1.5 under light from everywhere.
 MEAN_GLOSS = 0.09
 
 
-def second_loss(reader, node, is_new):
+def second_loss(reader, node, metallic, is_new):
     """Light that Latent's layers take from what is below them on the way out, and Blender's do not: of a coat; before 4.0, of gloss, too."""
-    metallic, transmission = reader.share(node, "Metallic"), reader.share(node, "Transmission Weight", "Transmission")
-    coat, level = reader.share(node, "Coat Weight", "Clearcoat"), reader.value(node, "Specular IOR Level", "Specular")
-    if not is_constant(metallic, transmission, coat, level) or transmission.number() > 0:
+    coat, level = reader.share(node, *COAT), reader.value(node, "Specular IOR Level", "Specular")
+    if not is_constant(metallic, coat, level):
         return 0.0
     if is_new:
         return MEAN_GLOSS * coat.number()
@@ -296,8 +328,7 @@ def raised(base, loss):
 
 
 # Inputs of a Principled BSDF that mean the same in latent:principled.
-PRINCIPLED = {"metallic": ("Metallic",), "roughness": ("Roughness",), "coat": ("Coat Weight", "Clearcoat"),
-              "coatroughness": ("Coat Roughness", "Clearcoat Roughness"), "transmission": ("Transmission Weight", "Transmission")}
+PRINCIPLED = {"roughness": ("Roughness",), "coat": COAT, "coatroughness": ("Coat Roughness", "Clearcoat Roughness")}
 
 
 def fresnel_pair(reader, node):
@@ -418,6 +449,10 @@ def area_light(graph, color, strength, name):
     if not is_constant(strength):
         graph.lost("the texture of the strength of an emission is its mean, 1")
         strength = WHITE
+    if is_constant(color):
+        if strength.number() < 0 or min(color.rgb) < 0:
+            graph.lost("negative emission is left out")
+        color = each(lambda c: max(0.0, c), color)
     scale = strength.number()
     common = {"bool twosided": True, "string name": name}
     if isinstance(color, Picture) and not color.is_moved:

@@ -145,6 +145,8 @@ class Graph:
     def constant(self, node, *names):
         """Where Latent takes no texture."""
         value = self.of(node, *names)
+        if value is None:
+            return BLACK
         if not is_constant(value):
             self.lost(f"{node.bl_label}: the texture of {names[0]} is replaced by its default")
             value = default(self.input(node, *names))

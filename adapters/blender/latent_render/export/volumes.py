@@ -94,6 +94,8 @@ def absorption(graph, node):
 
 
 def scattering(graph, node):
+    if getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
+        graph.lost(f"{node.bl_label}: light scatters by Henyey and Greenstein")
     return [graph.number(node, "Density") * c for c in graph.constant(node, "Color").rgb], (0.0, 0.0, 0.0), None, graph.number(node, "Anisotropy")
 
 
