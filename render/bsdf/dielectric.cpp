@@ -49,6 +49,7 @@ void Dielectric::multiply_once(const Vec3f& camera, const Vec3f& light, SampledS
     if (same_side) {
         value *= reflectance(w_camera, cosine);
         value *= dg / (4 * std::abs(w_camera.z));
+        if (tint_ != nullptr) value *= *tint_;
     } else {
         if (film_.share > 0) {
             const SampledSpectrum f = reflectance(w_camera, cosine);
@@ -67,7 +68,7 @@ void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Sam
     const bool same_side = w_camera.z * w_light.z > 0;
     const float eta = same_side ? 1 : across(w_camera, eta_kept_);
     further *= lost().f_cos(w_camera, w_light) / (eta * eta);
-    if (!same_side && transmittance_ != nullptr) further *= *transmittance_;
+    if (const SampledSpectrum* color = same_side ? tint_ : transmittance_) further *= *color;
     value += further;
 }
 
@@ -126,6 +127,7 @@ bool Dielectric::sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out
             weight *= reflectance(wo, c);
             weight *= 1 / f;
         }
+        if (tint_ != nullptr) weight *= *tint_;
         return true;
     }
     if (!refract(wo, Vec3f{0, 0, wo.z > 0 ? 1.0f : -1.0f}, eta, out.wi)) return false;

@@ -13,28 +13,30 @@ namespace latent::render {
 class Dielectric {
  public:
     static constexpr std::string_view kName = "dielectric";
-    static constexpr std::array kInputs =
-        joined(std::array{Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
-                          Input{.name = "transmittance", .may_be_missing = true}},
-               joined(joined(Brushing::kInputs, ThinFilm::kInputs), std::array{Input::option("multiscatter", 0)}));
+    static constexpr std::array kInputs = joined(
+        std::array{Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
+                   Input{.name = "transmittance", .may_be_missing = true}, Input{.name = "reflectance", .may_be_missing = true}},
+        joined(joined(Brushing::kInputs, ThinFilm::kInputs), std::array{Input::option("multiscatter", 0)}));
     static constexpr bool kTransmits = true;
 
     explicit Dielectric(const Values<Dielectric>& v)
         : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y"),
                      v.find("transmittance"), ThinFilm::of(v), &v.site.spectra.wavelengths, Brushing::of(v),
-                     v.option("multiscatter") != 0) {}
+                     v.option("multiscatter") != 0, v.find("reflectance")) {}
     static bool is_isotropic(const Values<Dielectric>& v) {
         return v.number("alpha_x") == v.number("alpha_y") && !Brushing::is_there(v);
     }
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
     // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes. What is refracted is
-    // multiplied by `transmittance`, if there is one. A `film` lies on the front side, in air; it is evaluated at `wavelengths`.
-    // With `multiscatter`, light that meets several facets is there, too (LostInGlass), unless there is a film.
+    // multiplied by `transmittance`, and what is reflected by `tint`, if there is one. A `film` lies on the front side, in air; it
+    // is evaluated at `wavelengths`. With `multiscatter`, light that meets several facets is there, too (LostInGlass), unless there
+    // is a film.
     Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y,
                const SampledSpectrum* transmittance = nullptr, const ThinFilm& film = {}, const Wavelengths* wavelengths = nullptr,
-               const Brushing& brushing = {}, bool multiscatter = false)
+               const Brushing& brushing = {}, bool multiscatter = false, const SampledSpectrum* tint = nullptr)
         : eta_(&eta),
           transmittance_(transmittance),
+          tint_(tint),
           film_(film),
           wavelengths_(wavelengths),
           kept_(kept),
@@ -62,7 +64,7 @@ class Dielectric {
     SampledSpectrum reflectance(const Vec3f& w, float c) const;
     float probability(const Vec3f& w, float c) const;
 
-    const SampledSpectrum *eta_, *transmittance_;
+    const SampledSpectrum *eta_, *transmittance_, *tint_;
     ThinFilm film_;
     const Wavelengths* wavelengths_;
     std::uint32_t kept_;

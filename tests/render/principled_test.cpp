@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <map>
+
 #include "render/scene/canonical.h"
 #include "tests/render/models.h"
 #include "tests/render/scenes.h"
@@ -115,6 +117,24 @@ TEST_F(Principled, MetalHasItsShareOfAllPoints) {
     const auto opaque = std::ranges::find(scene->description.materials, "metallicroughness", &MaterialDescription::type);
     ASSERT_NE(opaque, scene->description.materials.end());
     EXPECT_FLOAT_EQ(opaque->numbers.at("metallic").value, 2.F / 3);
+}
+
+// The same colour multiplies what is refracted; white glass has neither.
+TEST_F(Principled, TintedGlassReflectsItsColour) {
+    for (const auto& [parameters, is_tinted] :
+         std::map<std::string, bool>{{R"("rgb color" [ .5 .5 .5 ] "bool tintedreflection" true)", true},
+                                     {R"("rgb color" [ .5 .5 .5 ])", false},
+                                     {R"("rgb color" [ 1 1 1 ] "bool tintedreflection" true)", false}}) {
+        const Result<LoadedScene> scene =
+            testing::load_world("Material \"latent:principled\" \"float transmission\" 1 " + parameters + " Shape \"sphere\"");
+        ASSERT_TRUE(scene) << scene.error().message;
+        const auto glass = std::ranges::find(scene->description.materials, "dielectric", &MaterialDescription::type);
+        ASSERT_NE(glass, scene->description.materials.end());
+        ASSERT_EQ(glass->spectra.contains("reflectance"), is_tinted) << parameters;
+        if (is_tinted) {
+            EXPECT_NEAR(glass->spectra.at("reflectance").value(500), .5, 1e-9);
+        }
+    }
 }
 
 TEST_F(Principled, WhatCannotBeIsRefused) {

@@ -107,6 +107,10 @@ inline std::vector<Example<Dielectric>> examples() {
     const auto glass = [](float alpha_x, float alpha_y) { return Dielectric(values().glass, false, 3, alpha_x, alpha_y); };
     const auto flint = [](std::uint32_t kept, float alpha) { return Dielectric(values().varying, true, kept, alpha, alpha); };
     const auto tinted = [](float alpha) { return Dielectric(values().glass, false, 3, alpha, alpha, &values().falling); };
+    const auto all_tinted = [](float alpha, bool multiscatter) {
+        return Dielectric(values().glass, false, 3, alpha, alpha, &values().falling, {}, nullptr, {}, multiscatter,
+                          &values().falling);
+    };
     const auto filmed = [](float alpha) {
         return Dielectric(values().glass, false, 3, alpha, alpha, nullptr, {.share = 0.8f, .eta = 2, .thickness_nm = 300},
                           &sampled().wavelengths);
@@ -125,7 +129,9 @@ inline std::vector<Example<Dielectric>> examples() {
              .eta = 1.5},
             {.name = "alpha 0.6, multiscatter, tinted",
              .scatters = Dielectric(values().glass, false, 3, 0.6f, 0.6f, &values().falling, {}, nullptr, {}, true),
-             .eta = 1.5}};
+             .eta = 1.5},
+            {.name = "smooth, its reflection tinted", .scatters = all_tinted(0, false), .eta = 1.5},
+            {.name = "alpha 0.6, multiscatter, its reflection tinted", .scatters = all_tinted(0.6f, true), .eta = 1.5}};
 }
 
 template <>

@@ -405,9 +405,9 @@ TEST(MetallicRoughness, ACoatReflectsAboutItsOwnNormal) {
     }
 }
 
-// What a smooth surface lets through is its share without a tint times the tint; what it reflects is the same.
+// What a smooth surface lets through is its share without a tint times the tint; so is what it reflects, or it is the same.
 template <class Glass>
-void expect_tinted(const Glass& clear, const Glass& tinted, const SampledSpectrum& tint) {
+void expect_tinted(const Glass& clear, const Glass& tinted, const SampledSpectrum& tint, bool reflects_it = false) {
     int passed = 0;
     for (const Vec3f& wo : kDirections) {
         for (const float u_lobe : {0.0f, 0.99f}) {
@@ -419,7 +419,7 @@ void expect_tinted(const Glass& clear, const Glass& tinted, const SampledSpectru
             const bool through = a.wi.z * wo.z < 0;
             passed += through;
             for (std::uint32_t i = 0; i < kMaxWavelengths; ++i)
-                EXPECT_FLOAT_EQ(weight[i], clear_weight[i] * (through ? tint[i] : 1));
+                EXPECT_FLOAT_EQ(weight[i], clear_weight[i] * (through || reflects_it ? tint[i] : 1));
         }
     }
     EXPECT_GT(passed, 2);
@@ -428,6 +428,8 @@ void expect_tinted(const Glass& clear, const Glass& tinted, const SampledSpectru
 TEST(Dielectrics, TintWhatTheyTransmit) {
     const Values& v = values();
     expect_tinted(Dielectric(v.glass, false, 3, 0, 0), Dielectric(v.glass, false, 3, 0, 0, &v.falling), v.falling);
+    expect_tinted(Dielectric(v.glass, false, 3, 0, 0),
+                  Dielectric(v.glass, false, 3, 0, 0, &v.falling, {}, nullptr, {}, false, &v.falling), v.falling, true);
     expect_tinted(ThinDielectric(v.varying, true, 9), ThinDielectric(v.varying, true, 9, 0, 0, &v.falling), v.falling);
 }
 

@@ -259,8 +259,8 @@ Part passing() {
             return given;
         };
         const FloatInput clear = share("transmission"), matt = share("diffusetransmission");
-        const bool is_thin = r.list.flag("thin", false), is_clear = clear.is_textured() || clear.value > 0,
-                   is_matt = matt.is_textured() || matt.value > 0;
+        const bool is_thin = r.list.flag("thin", false), is_tinted = r.list.flag("tintedreflection", false),
+                   is_clear = clear.is_textured() || clear.value > 0, is_matt = matt.is_textured() || matt.value > 0;
         const auto color = r.textures.find_spectrum(r.list, "diffusetransmissioncolor", SpectrumRole::kReflectance);
         if (is_clear && is_matt) r.list.error("transmission and diffusetransmission cannot be combined");
         r.whole.second_share = is_clear ? clear : matt;
@@ -270,6 +270,7 @@ Part passing() {
             const SpectrumInput& base = r.material.spectra.at("base_color");
             const bool is_white = !base.is_textured() && base.value.min_value() == 1 && base.value.max_value() == 1;
             if (!is_white) glass.spectra["transmittance"] = base;
+            if (!is_white && !is_thin && is_tinted) glass.spectra["reflectance"] = base;
             const FloatInput& rough = r.material.numbers.at("roughness");
             if (rough.is_textured()) r.list.error("roughness: of glass must be a number");
             glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;

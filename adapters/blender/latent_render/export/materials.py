@@ -166,9 +166,7 @@ def measured_metal(reader, node, metal, rough):
 def glass(reader, node):
     rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.graph.constant(node, "Roughness")
     color = reader.value(node, "Color")
-    if differs(color, WHITE) and node.type == "BSDF_GLASS":
-        reader.graph.lost("what a Glass BSDF reflects is white, not of its colour")
-    return Surface(("latent:principled", {"float transmission": 1.0, **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node, rough),
+    return Surface(("latent:principled", {"float transmission": 1.0, "bool tintedreflection": node.type == "BSDF_GLASS", **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node, rough),
                                           **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
 
 
