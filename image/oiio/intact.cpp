@@ -220,6 +220,20 @@ Status check_tiff(const std::string& path) {
 
 namespace {
 
+// The header says how many bytes the largest level has, or a row of it. Others follow.
+Status check_dds(std::ifstream& in, std::uint64_t size) {
+    constexpr std::uint64_t kHeader = 128, kPitch = 8, kLinearSize = 0x80000;
+    std::array<unsigned char, 24> header{};
+    if (!in.read(reinterpret_cast<char*>(header.data()), header.size()) || size < kHeader) return cut_off();
+    const auto number = [&](std::size_t at) {
+        return header[at] | std::uint64_t{header[at + 1]} << 8 | std::uint64_t{header[at + 2]} << 16 |
+               std::uint64_t{header[at + 3]} << 24;
+    };
+    const std::uint64_t flags = number(8), height = number(12), bytes = number(20);
+    const std::uint64_t needed = kHeader + ((flags & kLinearSize) != 0 ? bytes : (flags & kPitch) != 0 ? bytes * height : 0);
+    return size < needed ? cut_off(size, needed) : Status{};
+}
+
 Result<bool> checked(const Status& status) {
     if (!status) return status.error();
     return true;
@@ -247,6 +261,7 @@ Result<bool> check_intact(const std::string& path) {
     for (const std::string_view pnm : {"PF", "Pf", "P5", "P6"}) {
         if (bytes.starts_with(pnm)) return checked(check_pnm(in, size));
     }
+    if (bytes.starts_with("DDS ")) return checked(check_dds(in, size));
     if (bytes.starts_with("RIFF")) return checked(check_webp(in, size));
     if (!bytes.starts_with("\xFF\xD8\xFF")) return false;
     in.seekg(2);

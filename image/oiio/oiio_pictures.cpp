@@ -86,7 +86,7 @@ class OiioPictures final : public Pictures {
             const Result<bool> checked = check_intact(path);
             if (!checked) return error_of(file, checked.error().message);
             if (!*checked) {
-                if (Status s = check_end(file, encoding); !s) return s.error();
+                if (Status s = check_ends(file, encoding); !s) return s.error();
             }
             intact_.insert(path);
         }
@@ -268,20 +268,24 @@ class OiioPictures final : public Pictures {
         return true;
     }
 
-    // Reads the last rows: most formats must be decoded up to there.
-    static Status check_end(const FileName& file, const PictureEncoding& encoding) {
+    // Reads the first and the last rows: one of them comes last in the file, and most formats must be decoded up to there.
+    static Status check_ends(const FileName& file, const PictureEncoding& encoding) {
         LinearInput input;
         OIIO::ImageSpec spec;
         if (!input.open(file.path, spec, LinearInput::configuration(file.path, encoding))) return error_of(file, input.geterror());
         if (spec.depth > 1 || spec.deep) return {};  // refused later
-        const int end = spec.y + spec.height, rows = spec.tile_height > 0 ? (spec.height - 1) % spec.tile_height + 1 : 1;
-        std::vector<float> values(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(rows) *
-                                  static_cast<std::size_t>(spec.nchannels));
-        const bool read = spec.tile_width > 0 ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, end - rows, end, 0, 1, 0,
-                                                                 spec.nchannels, OIIO::TypeDesc::FLOAT, values.data())
-                                              : input.read_scanlines(0, 0, end - rows, end, 0, 0, spec.nchannels,
-                                                                     OIIO::TypeDesc::FLOAT, values.data());
-        if (!read) return error_of(file, input.geterror(), "the file is cut off or damaged");
+        const int last = spec.tile_height > 0 ? (spec.height - 1) / spec.tile_height * spec.tile_height : spec.height - 1;
+        for (const int row : {0, last}) {
+            const int begin = spec.y + row,
+                      end = begin + (spec.tile_height > 0 ? std::min(spec.tile_height, spec.height - row) : 1);
+            std::vector<float> values(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - begin) *
+                                      static_cast<std::size_t>(spec.nchannels));
+            const bool read = spec.tile_width > 0 ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, 0, 1, 0,
+                                                                     spec.nchannels, OIIO::TypeDesc::FLOAT, values.data())
+                                                  : input.read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels,
+                                                                         OIIO::TypeDesc::FLOAT, values.data());
+            if (!read) return error_of(file, input.geterror(), "the file is cut off or damaged");
+        }
         return {};
     }
 

@@ -634,11 +634,18 @@ TEST_F(TextureTest, PicturesOfOtherFormatsAreRefused) {
 TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorBeforeItIsUsed) {
     const std::string tga = std::string("\0\0\2\0\0\0\0\0\0\0\0\0\100\0\100\0\30\0", 18) + std::string(3000, 'x');
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 4\n" + std::string(500, '\x80');
+    // Of 64 x 64 pixels of 24 bits, from the bottom; and of 32 bits.
+    std::string bmp("BM\66\60\0\0\0\0\0\0\66\0\0\0\50\0\0\0\100\0\0\0\100\0\0\0\1\0\30\0", 30);
+    bmp += std::string(24, '\0') + std::string(64 * 64 * 3 - 500, 'x');
+    std::string dds("DDS \174\0\0\0\17\20\0\0\100\0\0\0\100\0\0\0\0\1\0\0", 24);
+    dds += std::string(52, '\0') +
+           std::string("\40\0\0\0\101\0\0\0\0\0\0\0\40\0\0\0\0\0\377\0\0\377\0\0\377\0\0\0\0\0\0\377\0\20\0\0", 36);
+    dds += std::string(16, '\0') + std::string(64 * 64 * 4 - 500, 'x');
     std::string pgm = "P2\n64 640\n255\n";
     for (int i = 0; i < 64 * 70; ++i) pgm += "120\n";
     const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
     ASSERT_TRUE(pictures);
-    for (const auto& [name, bytes] : {std::pair("a.tga", tga), {"a.hdr", hdr}, {"a.pgm", pgm}}) {
+    for (const auto& [name, bytes] : {std::pair("a.tga", tga), {"a.hdr", hdr}, {"a.pgm", pgm}, {"a.bmp", bmp}, {"a.dds", dds}}) {
         folder_.write(name, bytes);
         const Result<image::PictureInfo> info = (*pictures)->open(folder_ / name, name, {});
         ASSERT_FALSE(info) << name;
