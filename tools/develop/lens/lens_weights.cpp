@@ -293,20 +293,17 @@ void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin,
         return;
     }
     const auto last = static_cast<float>(rolling_open_.size() - 2);
-    const float* const open = rolling_open_.data();
-    std::array<std::int32_t, kAtOnce> entry;
-    std::array<float, kAtOnce> beyond, here, next;
+    std::array<float, kAtOnce> step;
     for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, weights.size() - done);
-        const std::uint32_t* const v = page.v.data() + begin + done;
+        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
+        for (std::size_t i = 0; i < count; ++i) step[i] = static_cast<float>(times[done + i] * kStepsPerCell) - rolling_begins_;
+        for (std::size_t i = 0; i < count; ++i)
+            step[i] = std::min(std::max(step[i] - fraction_of(page.v[first + i]) * rolling_later_, 0.0f), last);
         for (std::size_t i = 0; i < count; ++i) {
-            const float time = static_cast<float>(times[done + i] * kStepsPerCell) - rolling_begins_;
-            const float step = std::min(std::max(time - fraction_of(v[i]) * rolling_later_, 0.0f), last);
-            entry[i] = static_cast<std::int32_t>(step);
-            beyond[i] = step - static_cast<float>(entry[i]);
+            const auto at = static_cast<std::int32_t>(step[i]);
+            const float* const open = rolling_open_.data() + at;
+            weights[done + i] *= open[0] + (step[i] - static_cast<float>(at)) * (open[1] - open[0]);
         }
-        for (std::size_t i = 0; i < count; ++i) here[i] = open[entry[i]], next[i] = open[entry[i] + 1];
-        for (std::size_t i = 0; i < count; ++i) weights[done + i] *= here[i] + beyond[i] * (next[i] - here[i]);
     }
 }
 
