@@ -216,10 +216,6 @@ Status check_tiff(const std::string& path) {
     }
 }
 
-}  // namespace
-
-namespace {
-
 // The header says how many bytes the largest level has, or a row of it. Others follow.
 Status check_dds(std::ifstream& in, std::uint64_t size) {
     constexpr std::uint64_t kHeader = 128, kPitch = 8, kLinearSize = 0x80000;

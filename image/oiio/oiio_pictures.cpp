@@ -268,6 +268,16 @@ class OiioPictures final : public Pictures {
         return true;
     }
 
+    // Rows begin .. end-1, which are whole tiles if there are tiles; all channels.
+    static bool read_rows(LinearInput& input, const OIIO::ImageSpec& spec, int begin, int end, std::vector<float>& values) {
+        constexpr OIIO::TypeDesc kFloat = OIIO::TypeDesc::FLOAT;
+        const int n = spec.nchannels;
+        values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(n));
+        return spec.tile_width > 0
+                   ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, 0, 1, 0, n, kFloat, values.data())
+                   : input.read_scanlines(0, 0, begin, end, 0, 0, n, kFloat, values.data());
+    }
+
     // Reads the first and the last rows: one of them comes last in the file, and most formats must be decoded up to there.
     static Status check_ends(const FileName& file, const PictureEncoding& encoding) {
         LinearInput input;
@@ -278,12 +288,8 @@ class OiioPictures final : public Pictures {
         for (const int row : {0, last}) {
             const int begin = spec.y + row,
                       end = begin + (spec.tile_height > 0 ? std::min(spec.tile_height, spec.height - row) : 1);
-            std::vector<float> values(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - begin) *
-                                      static_cast<std::size_t>(spec.nchannels));
-            const bool read = spec.tile_width > 0 ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, 0, 1, 0,
-                                                                     spec.nchannels, OIIO::TypeDesc::FLOAT, values.data())
-                                                  : input.read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels,
-                                                                         OIIO::TypeDesc::FLOAT, values.data());
+            std::vector<float> values;
+            const bool read = read_rows(input, spec, begin, end, values);
             if (!read) return error_of(file, input.geterror(), "the file is cut off or damaged");
         }
         return {};
@@ -298,11 +304,7 @@ class OiioPictures final : public Pictures {
         std::vector<float> values;
         for (int y = spec.y; y < spec.y + spec.height; y += rows) {
             const int end = std::min(y + rows, spec.y + spec.height);
-            values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - y) * 4);
-            const bool read =
-                spec.tile_width > 0
-                    ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, y, end, 0, 1, 0, 4, OIIO::TypeDesc::FLOAT, values.data())
-                    : input.read_scanlines(0, 0, y, end, 0, 0, 4, OIIO::TypeDesc::FLOAT, values.data());
+            const bool read = read_rows(input, spec, y, end, values);
             if (!read) return error_of(file, input.geterror());
             for (std::size_t i = 3; i < values.size(); i += 4) {
                 if (values[i] != 1) return false;

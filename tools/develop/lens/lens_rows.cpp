@@ -26,21 +26,17 @@ auto LoadBytes(D d, const std::uint8_t* bytes) {
     return hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::uint8_t, D>(), bytes));
 }
 
-// The leading 24 bits of positions, which are exact as float, in units of 2^-24.
-template <class D>
-auto LoadPositions(D d, const std::uint32_t* positions) {
-    const hn::RebindToUnsigned<D> du;
-    return hn::ConvertTo(d, hn::BitCast(hn::RebindToSigned<D>(), hn::ShiftRight<8>(hn::LoadU(du, positions))));
-}
-
 void WeighByRim(const RearRim& rim, const std::uint8_t* x, const std::uint8_t* y, const std::uint32_t* u, const std::uint32_t* v,
                 std::span<float> weights) {
     constexpr float kPerCell = kLensCells / 2.0f;
     ForRows<float>(weights.size(), [&](auto d, std::size_t i) HWY_ATTR {
         const hn::RebindToSigned<decltype(d)> di;
+        const hn::RebindToUnsigned<decltype(d)> du;
+        // The leading 24 bits of a position are exact as float.
         const auto from_rim = [&](const std::uint8_t* cells, const std::uint32_t* film, float first, float along) HWY_ATTR {
+            const auto position = hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(hn::LoadU(du, film + i))));
             const auto middle = hn::Mul(hn::ConvertTo(d, LoadBytes(di, cells + i)), hn::Set(d, 1 / kPerCell));
-            return hn::Sub(hn::Add(middle, hn::Set(d, first)), hn::Mul(LoadPositions(d, film + i), hn::Set(d, along * 0x1p-24f)));
+            return hn::Sub(hn::Add(middle, hn::Set(d, first)), hn::Mul(position, hn::Set(d, along * 0x1p-24f)));
         };
         const auto dx = from_rim(x, u, rim.first_x, rim.along_u), dy = from_rim(y, v, rim.first_y, rim.along_v);
         // The rim counts as straight within a cell.
