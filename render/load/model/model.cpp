@@ -9,6 +9,7 @@
 #include "render/load/files/lat_long.h"
 #include "render/load/files/pictures.h"
 #include "render/load/model/append.h"
+#include "render/load/model/cover.h"
 #include "render/load/model/stage.h"
 #include "render/scene/check.h"
 
@@ -97,6 +98,11 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
         model.scene.camera = framing(points, film, options);
     }
     if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
+    const char* const why = has_light                                  ? "is an object with lights of its own"
+                            : std::ranges::any_of(model.shapes, glows) ? "has no light but surfaces of radiance 1 or less"
+                                                                       : "has no light";
+    std::vector<std::uint32_t> covers;
+    if (!has_light) covers = covers_of_sky(model.shapes, model.scene.camera.world_from_camera.t, world_from_stage(options).y);
     if (!options.sky.empty()) {
         Result<LightDescription> sky = sky_of(options.sky, white, options);
         if (!sky) return sky.error();
@@ -105,11 +111,12 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
             notes.emplace_back(
                 fmt::format("has lamps in lumens, as Blender writes them: the sky is multiplied by {:.0f}", model.sky_scale));
         model.scene.lights.push_back(std::move(*sky));
+    } else if (!covers.empty()) {
+        notes.emplace_back(
+            fmt::format("{}, and no sky reaches the camera; the surfaces that hide it shine in their own colours", why));
+        let_shine(covers, white, model);
     } else if (!has_light || is_shown) {
         const bool has_ground = options.stage && !model.has_camera && !box.is_empty();
-        const char* const why = has_light                                  ? "is an object with lights of its own"
-                                : std::ranges::any_of(model.shapes, glows) ? "has no light but surfaces of radiance 1 or less"
-                                                                           : "has no light";
         notes.emplace_back(fmt::format("{}; a soft sky with a key light{} added{}", why, has_ground ? " and a ground are" : " is",
                                        has_light ? " (--no-stage leaves it without)" : ""));
         LightDescription sky = studio_sky(white, options);
