@@ -24,7 +24,7 @@ std::string placeholder(const std::string& type) {
     return check.substr(1, check.find('}') - 1);
 }
 
-constexpr std::size_t kHelpWidth = 80, kHelpIndent = 31;  // of all help, and of the descriptions of options
+constexpr std::size_t kHelpWidth = 80, kHelpIndent = 31;  // widths of all help, and the column where descriptions of options begin
 
 // `text` in lines of at most `width` characters, broken at spaces.
 std::string wrapped(const std::string& text, std::size_t width) {

@@ -34,7 +34,8 @@ Status check_parts_differ(std::string_view text) {
     for (const std::string_view part : parts_of(text, ',')) {
         const std::string_view name = parse_number(part) ? "a number" : part.substr(0, part.find(':'));
         if (std::ranges::find(names, name) != names.end()) return usage_error(fmt::format("'{}': {} is given twice", text, name));
-        const bool is_range = part.find(':') != std::string_view::npos && parse_number(name);  // of which there may be several
+        const bool is_range =
+            part.find(':') != std::string_view::npos && parse_number(name);  // a range, which may stand several times
         if (!name.empty() && !is_range) names.push_back(name);
     }
     return {};

@@ -84,7 +84,7 @@ Result<std::string> text_inside(const File& file) {
 Result<Recipe> parse_recipe(std::string_view text) {
     if (text.size() > kLongestRecipe) return wrong(fmt::format("too long for a recipe: more than {} bytes", kLongestRecipe));
     if (Status s = check_json_object(text, 3); !s) return wrong(s.error().message);
-    std::vector<std::set<std::string>> names;  // of the objects that are open
+    std::vector<std::set<std::string>> names;  // one set for each object that is open
     std::string twice;
     const auto look = [&](int, Recipe::parse_event_t event, const Recipe& value) {
         if (event == Recipe::parse_event_t::object_start) names.emplace_back();

@@ -127,7 +127,7 @@ Recipe scalar_schema(const CLI::Option& option) {
     if (is_flag_of_numbers(option)) return type_schema(Recipe::array({"boolean", "number"}));
     if (is_flag(option)) return type_schema("boolean");
     const std::string type = option.get_type_name();
-    const std::size_t begin = type.find(":{");  // of CLI::IsMember
+    const std::size_t begin = type.find(":{");  // where the list of CLI::IsMember begins
     if (begin == std::string::npos) return type_schema(Recipe::array({"string", "number"}));
     Recipe schema;
     const std::string words = type.substr(begin + 2, type.find('}', begin) - begin - 2);

@@ -49,7 +49,7 @@ struct latent_reader {
     }
 
     const std::unique_ptr<RunSet> run_set;
-    mutable std::mutex mutex;  // of what follows
+    mutable std::mutex mutex;  // guards what follows
     mutable std::optional<Result<c::Origin>> its_origin;
     std::vector<latent_knot> knots;
     std::vector<latent_column> extra;

@@ -47,7 +47,7 @@ struct latent_writer {
     const SampleRange range;
     const std::unique_ptr<PartWriter> part;
     GrainQueue grains;
-    std::mutex mutex;   // of what follows
+    std::mutex mutex;   // guards what follows
     Coverage expected;  // missing, and not submitted
     bool finished = false;
 };

@@ -10,8 +10,8 @@ namespace latent::color {
 
 // Whose responses are scaled.
 enum class Cones {
-    kBradford,  // of ICC profiles, without their exponent for blue [ICC]
-    kCat16,     // of CAM16, fully adapted [Li17]
+    kBradford,  // as in ICC profiles, without their exponent for blue [ICC]
+    kCat16,     // as in CAM16, fully adapted [Li17]
 };
 Result<Cones> cones_by_name(std::string_view name);  // "bradford", "cat16"
 

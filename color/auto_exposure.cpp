@@ -16,7 +16,7 @@ namespace {
 constexpr int kShift = 17;
 constexpr std::size_t kAllBins = std::size_t{1} << (32 - kShift);
 constexpr std::size_t kNegative = kAllBins / 2;           // bins of the negative ones
-constexpr std::size_t kBinCount = 0x7F800000U >> kShift;  // of those of either sign that are finite
+constexpr std::size_t kBinCount = 0x7F800000U >> kShift;  // bins of one sign, for finite values
 
 std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
 

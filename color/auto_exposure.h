@@ -15,8 +15,8 @@ class LuminanceHistogram {
     void add(std::span<const float> y);
     LuminanceHistogram& operator+=(const LuminanceHistogram& other);
 
-    std::uint64_t count() const;  // of positive finite values
-    std::uint64_t dark() const;   // of zeros and negative finite values
+    std::uint64_t count() const;  // how many values are positive and finite
+    std::uint64_t dark() const;   // how many are finite, and zero or negative
     // exp of the mean log luminance of the pixels between two percentiles of the positive ones, and not below `least`.
     double log_average(double p_low, double p_high, double least = 0) const;
     // The luminance that a share `p` of the positive values does not exceed, to 0.8 %; 0 if there are none.

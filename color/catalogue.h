@@ -13,9 +13,9 @@ namespace latent::color {
 struct CatalogueEntry {
     std::string name;         // "canon_eos_5d"; case, '-' and '_' make no difference to those who look it up
     std::string_view what;    // it is
-    std::string_view source;  // of its numbers
-    std::string_view table;   // of color/tables.h
-    std::string_view column;  // of a filter's table
+    std::string_view source;  // where its numbers come from
+    std::string_view table;   // in color/tables.h
+    std::string_view column;  // in a filter's table
 };
 
 const std::vector<CatalogueEntry>& observer_catalogue();     // the CIE's, cameras, films

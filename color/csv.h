@@ -12,7 +12,7 @@ namespace latent::color {
 
 struct CsvRow {
     int line;
-    std::vector<std::string_view> fields;  // of the text; at least one
+    std::vector<std::string_view> fields;  // parts of the text; at least one
 };
 // Fields stand between commas, semicolons, tabs and blanks; `#` starts a comment; a byte order mark and empty lines are skipped.
 std::vector<CsvRow> csv_rows(std::string_view text);

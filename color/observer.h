@@ -81,7 +81,7 @@ class Observer {
     std::string name_;
     ObserverKind kind_;
     Chromaticity neutral_;
-    std::array<double, 3> sensitivity_{1, 1, 1};  // of a camera's channels as tabulated, relative to the second; curves have none
+    std::array<double, 3> sensitivity_{1, 1, 1};  // a camera's channels as tabulated, relative to the second; 1 for curves
     std::vector<double> lambda_nm_;
     std::vector<std::array<double, 3>> response_;
     std::vector<std::uint32_t> knot_below_;  // guide: the knot at or below the first one + 0, 1, 2, ... nm

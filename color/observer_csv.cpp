@@ -14,7 +14,7 @@ namespace {
 
 struct CsvTable {
     ResponseTable responses;
-    std::vector<int> line;  // of each row
+    std::vector<int> line;  // where each row stands in the text
     std::size_t columns = 0;
     std::vector<bool> logarithmic;  // by column
 };

@@ -29,7 +29,7 @@ HWY_INLINE V constant(float value) { return hn::Set(d, value); }
 HWY_INLINE V log2(V v) {
     constexpr float kTwoOverLn2 = 2.88539008F;
     const auto bits = hn::BitCast(di, v);
-    const auto exponent = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3F3504F3)));  // of v / sqrt(1/2), rounded down
+    const auto exponent = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3F3504F3)));  // exponent of v / sqrt(1/2), rounded down
     const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(exponent)));
     const V s = hn::Div(hn::Sub(m, constant(1)), hn::Add(m, constant(1))), s2 = hn::Mul(s, s);
     const auto next = [&](V series, float divisor) { return hn::Add(hn::Mul(series, s2), constant(kTwoOverLn2 / divisor)); };

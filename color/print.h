@@ -53,7 +53,7 @@ struct PrintSettings {
     Tone tone = Tone::kFilm;
     Gamut gamut = Gamut::kLuminance;
     Matrix3 adaptation{};    // from the picture's white to the space's (color/adaptation.h); y is the Y after it
-    ToneCurve curve{};       // of Tone::kCurve
+    ToneCurve curve{};       // for Tone::kCurve
     PrintableRange range{};  // what is counted as black and burnt
 };
 

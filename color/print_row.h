@@ -22,7 +22,7 @@ struct PrintRowConstants {
     std::array<float, 3> luminance_row;
     const float* curve;  // ToneCurve::table
     PrintableRange range;
-    float* luminances;  // of the row; may be null
+    float* luminances;  // one per pixel; may be null
 };
 
 void print_row(const PrintRowConstants& constants, const float* x, const float* y, const float* z, float* r, float* g, float* b,

@@ -23,7 +23,7 @@ const RgbLattice& RgbLattice::srgb() {
 RgbLattice::Blend RgbLattice::reflectance(float r, float g, float b) const {
     constexpr int kStride[3] = {(kCells + 1) * (kCells + 1), kCells + 1, 1};
     int corner = 0;
-    std::array<std::pair<float, int>, 3> inside;  // of the cell: how far along each axis, and the step along it
+    std::array<std::pair<float, int>, 3> inside;  // how far along each axis of the cell, and the step along it
     const float rgb[3] = {r, g, b};
     for (std::size_t i = 0; i < 3; ++i) {
         const float x = (rgb[i] > 0 ? std::min(rgb[i], 1.0f) : 0) * kCells;

@@ -27,7 +27,7 @@ float SigmoidSpectrum::operator()(float lambda_nm) const {
 
 float SigmoidSpectrum::max_value() const {
     const float first = (*this)(static_cast<float>(kLambdaMin)), last = (*this)(static_cast<float>(kLambdaMax));
-    const float apex = std::clamp(c0 != 0 ? -c1 / (2 * c0) : 0.0F, -1.0F, 1.0F);  // of the parabola, in t
+    const float apex = std::clamp(c0 != 0 ? -c1 / (2 * c0) : 0.0F, -1.0F, 1.0F);  // where the parabola has its apex, in t
     return std::max({first, last, (*this)(static_cast<float>(kCentre) + static_cast<float>(kHalfWidth) * apex)});
 }
 

@@ -8,7 +8,7 @@
 namespace latent::color {
 
 struct Table {
-    std::string_view name;          // of its file below color/data, without .csv: "film/status_m"
+    std::string_view name;          // its file below color/data, without .csv: "film/status_m"
     std::string_view what, source;  // its comments of these names
     std::span<const std::string_view> columns;
     std::span<const double> values;  // row after row

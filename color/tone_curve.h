@@ -37,7 +37,7 @@ class ToneCurve {
     std::string name_ = "film";
     Kind kind_ = Kind::kFilm;
     double contrast_ = 1, black_ = 0;
-    double gamma_ = 1.6, toe_ = 0.4, shoulder_ = 0.4;  // of kDensity
+    double gamma_ = 1.6, toe_ = 0.4, shoulder_ = 0.4;  // for kDensity
     double darkest_ = 0, middle_ = 1;                  // transmittance without light; exposure of 1/2
     std::vector<float> table_;
 };

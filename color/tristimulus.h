@@ -38,7 +38,7 @@ struct Matrix3 {
     double determinant() const;
     // True if the determinant is finite and not lost in rounding: |det| > 1e-12 x the product of the rows' lengths.
     bool invertible() const;
-    Matrix3 inverse() const;  // of an invertible matrix
+    Matrix3 inverse() const;  // the matrix must be invertible
     bool operator==(const Matrix3&) const = default;
 };
 

@@ -12,7 +12,7 @@ namespace latent::image {
 // x to the right and y upwards, as the camera sees them.
 struct Blades {
     int count = 0;                // 0: a round opening; else 3 to 64
-    double rotation_degrees = 0;  // of the first corner, from the x axis towards the y axis
+    double rotation_degrees = 0;  // angle of the first corner, from the x axis towards the y axis
     double curvature = 0;         // 0 straight, 1 the circle through the corners
 
     bool operator==(const Blades&) const = default;
@@ -32,7 +32,7 @@ class BladeOpening {
  private:
     double radius_, curvature_;
     double apothem_ = 0;                          // distance of straight blades from the centre
-    std::vector<std::array<double, 2>> normals_;  // of their edges; none: a circle
+    std::vector<std::array<double, 2>> normals_;  // normals of their edges; none: a circle
 };
 
 }  // namespace latent::image

@@ -18,13 +18,13 @@ namespace latent::image {
 // and picture alone.
 class Convolver {
  public:
-    static constexpr int kMaxRadius = 1024;  // of a kernel
+    static constexpr int kMaxRadius = 1024;  // the largest kernel
     Convolver(const Kernel& kernel, const Rect& picture);
 
     const Rect& picture() const { return picture_; }
-    int size() const { return size_; }                // of what a tile sees, along a side
+    int size() const { return size_; }                // pixels that a tile sees, along a side
     int margin() const { return radius_; }            // how much of it, at each end, lies outside the tile
-    int step() const { return size_ - 2 * radius_; }  // of tiles
+    int step() const { return size_ - 2 * radius_; }  // between tiles
     // What it holds, what a tile needs, and the larger need while it is made.
     static std::size_t bytes(int radius, const Rect& picture);
 
@@ -53,7 +53,7 @@ class Convolver {
     SquareFourier fourier_;
     std::array<std::vector<float>, 3>
         spectrum_;  // real; rows as of stored_row() in convolver.cpp; the third: or empty, as nothing spreads
-    std::array<std::vector<float>, 3> sums_;  // of weights above and to the left
+    std::array<std::vector<float>, 3> sums_;  // weights above and to the left, added up
     std::array<float, 3> all_{};              // that a pixel far from the edges gives away
 };
 

@@ -19,7 +19,7 @@ struct ExrChannel {
 };
 
 struct ExrChannels {
-    std::size_t pixel_bytes = 0;         // of all channels of the file
+    std::size_t pixel_bytes = 0;         // for all channels of the file
     bool has_colour = false;             // R, G, B; or X, Y, Z; or Y alone (grey)
     bool xyz = false;                    // X, Y, Z
     bool grey = false;                   // Y alone

@@ -38,7 +38,7 @@ struct ExrImage {
     std::string observer;                                 // that it was developed with; "" if the file is silent
     std::string recipe{};                                 // the same; base/recipe.h
     std::optional<ExposedFilm> film{};                    // that was exposed
-    std::vector<double> emitted_nm{};                     // of channels of emitted light [Fichet21], increasing
+    std::vector<double> emitted_nm{};                     // wavelengths of channels of emitted light [Fichet21], increasing
 };
 
 // What is wanted of a file.

@@ -26,7 +26,7 @@ class SquareFourier {
     void along_both(float* re, float* im) const;
 
     int size_;
-    std::vector<float> cos_, sin_;  // of 2 pi k / size
+    std::vector<float> cos_, sin_;  // at 2 pi k / size
 };
 
 }  // namespace latent::image

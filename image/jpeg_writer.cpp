@@ -63,7 +63,7 @@ class Compressor {
             jpeg_.image_height = static_cast<JDIMENSION>(format_.height);
             jpeg_.input_components = format_.channels;
             jpeg_.in_color_space = format_.channels == 4 ? JCS_CMYK : format_.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-            jpeg_set_defaults(&jpeg_);  // of CMYK: no conversion, full size, and Adobe's marker
+            jpeg_set_defaults(&jpeg_);  // for CMYK: no conversion, full size, and Adobe's marker
             jpeg_set_quality(&jpeg_, options_.quality, TRUE);
             if (options_.quality >= 90 && format_.channels == 3)
                 jpeg_.comp_info[0].h_samp_factor = jpeg_.comp_info[0].v_samp_factor = 1;

@@ -10,7 +10,7 @@
 namespace latent::image {
 
 struct PngOptions {
-    int level = 1;  // of zlib: 1 is five times faster than 6 and some percent larger
+    int level = 1;  // zlib's: 1 is five times faster than 6 and some percent larger
 };
 
 // 8 or 16 bits. The rows are cut into strips near 1 MiB (by the width alone); each is filtered and deflated by itself and ends on a

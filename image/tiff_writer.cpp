@@ -247,7 +247,7 @@ class DirectoryWriter final : public TiffWriter {
     TiffOptions options_;
     TIFF* tiff_ = nullptr;
     Stream stream_, ignored_;
-    PixelFormat format_;  // of the image being written
+    PixelFormat format_;  // the format of the image being written
     int block_height_ = 0;
     std::optional<RowBlocks> blocks_;
     File spool_;

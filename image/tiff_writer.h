@@ -11,7 +11,7 @@ namespace latent::image {
 
 struct TiffOptions {
     bool tiles = false;      // 256 x 256; else strips near 1 MiB
-    int level = 1;           // of zlib
+    int level = 1;           // zlib's
     bool force_big = false;  // BigTIFF also where a classic file would do (it is used anyway where 4 GiB may not)
 };
 

@@ -54,7 +54,7 @@ class GrainField {
     std::uint64_t seed_;
     double pixel_um_, cell_um_ = 0;
     int layers_, level_ = 0;  // cells of level n are kCoarsest / 2^n wide
-    double strength_ = 1;     // of a mean over a pixel, along one axis
+    double strength_ = 1;     // standard deviation of a mean over a pixel, along one axis
 };
 
 }  // namespace latent::film

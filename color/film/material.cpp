@@ -199,7 +199,7 @@ Status check_curves(const Material& material, const Columns& curves) {
         return wrong(fmt::format("log exposures must be 0.05 apart without gaps, but {} follows {}", h[i], h[i - 1]));
     }
     if (h.size() < 20) return wrong("needs at least 20 rows");
-    constexpr double kLeast = -0.1, kMost = 10, kLeastRange = 0.5, kMostReturn = 0.02;  // of density; noise may be below 0
+    constexpr double kLeast = -0.1, kMost = 10, kLeastRange = 0.5, kMostReturn = 0.02;  // bounds of a density; noise may be below 0
     for (std::size_t c = 1; c < curves.names.size(); ++c) {
         const std::vector<double>& density = curves.values[c];
         double extreme = density.front();

@@ -17,19 +17,19 @@ enum class Kind { kNegative, kReversal, kPrintPaper, kPrintFilm, kReversalPrint 
 struct Material {
     std::string name;   // "portra-400"; case, '-' and '_' make no difference to those who look it up
     std::string title;  // "Kodak Portra 400"
-    std::string file;   // of its tables, FILE.curves.csv and so on
+    std::string file;   // tables are in FILE.curves.csv and so on
     Kind kind = Kind::kNegative;
     bool colour = true;         // three layers; else one
-    double exposure_index = 0;  // of a camera film, as its box says; 0: of no camera film
+    double exposure_index = 0;  // what the box of a camera film says; 0: no camera film
     std::string balance;        // light of its neutral exposures: "D55", "3200K"
-    char status = 'A';          // of its densities: 'A', 'M' [ISO5-3], 'v' visual (black and white)
+    char status = 'A';          // kind of densities: 'A', 'M' [ISO5-3], 'v' visual (black and white)
     std::string process;
     double speed_from_curves = 0;    // ISO speed that its curves have; 0: unknown
     double rms = 0;                  // 1000 x rms of density through an aperture of 48 um, at density 1; 0: unknown
     bool rms_measured = false;       // by the maker
     std::string mtf, year, note;     // `mtf`: "yes", "copy of FILE", or ""
     bool dyes_have_base = false;     // the plot of its dyes includes its base
-    std::filesystem::path folder{};  // of its tables; empty: those that are compiled in
+    std::filesystem::path folder{};  // where its tables are; empty: those that are compiled in
 
     bool in_camera() const { return kind == Kind::kNegative || kind == Kind::kReversal; }
     bool positive() const { return kind == Kind::kReversal || kind == Kind::kReversalPrint; }

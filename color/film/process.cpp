@@ -13,7 +13,7 @@ namespace latent::film {
 namespace {
 
 constexpr double kLog10Of2 = 0.30102999566398120;
-constexpr double kStep = 0.05;  // of log exposures, in all curves
+constexpr double kStep = 0.05;  // between log exposures, in all curves
 
 Triple log10_of(const Triple& v, double least) {
     Triple out;

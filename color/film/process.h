@@ -24,7 +24,7 @@ struct ProcessSettings {
     bool trim = true;               // the print's contrasts are matched, so that greys are neutral; slides: their grey card is
     std::optional<Triple> pack{};   // densities of the filters Y, M, C; else solved
     double print_stops = 0;         // more light in the enlarger
-    std::string contrast_filter{};  // of paper with variable contrast: "00", "0" .. "5"; "": none
+    std::string contrast_filter{};  // for paper with variable contrast: "00", "0" .. "5"; "": none
 };
 
 // Immutable; any thread.

@@ -15,7 +15,7 @@ inline constexpr int kFirstNm = 380;
 inline constexpr std::size_t kNm = 401;
 
 using Curve = std::array<double, kNm>;  // at 380, 381, ..., 780 nm
-using Curves = std::array<Curve, 3>;    // of the red-, green- and blue-sensitive layer, or of X, Y, Z
+using Curves = std::array<Curve, 3>;    // red-, green- and blue-sensitive layer, or X, Y, Z
 using Triple = std::array<double, 3>;   // one number for each layer: r, g, b; their dyes are cyan, magenta, yellow
 
 // y at `at`, linear between (x[i], y[i]); `x` increases. The end values go on.

@@ -82,7 +82,7 @@ Curves sensitivities_of(const Columns& table) {
 Triple unmixed(const Triple& target, const Curve& base, const Curves& dyes, const Curves& weights, Triple a) {
     for (int step = 0; step < 40; ++step) {
         const Curve t = transmittance(with_dyes(base, dyes, a));
-        std::array<Triple, 3> jacobian;  // of -log10 of the integrals
+        std::array<Triple, 3> jacobian;  // derivatives of -log10 of the integrals
         Triple missing;
         for (std::size_t k = 0; k < 3; ++k) {
             Curve weighted;

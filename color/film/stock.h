@@ -28,7 +28,7 @@ class Stock {
     const Curve& base() const { return base_; }                   // spectral density without image
     const Curves& dyes() const { return dyes_; }                  // spectral density of a unit amount
     const Curves& sensitivities() const { return sensitivity_; }  // see sensitivity_scale in docs/color.md, "Film"
-    double separation_rms() const { return separation_rms_; }     // of dyes separated by the template; 0: published dyes
+    double separation_rms() const { return separation_rms_; }     // if dyes are separated by the template; 0: published dyes
 
     // The same, developed longer by these stops.
     Stock pushed(double stops) const;
@@ -59,7 +59,7 @@ class Stock {
     Curves dyes_, sensitivity_, weights_;
     double separation_rms_ = 0;
     double push_ = 0;
-    Triple shoulder_from_{}, shoulder_slope_{};  // of negatives: where the plot ends, and the contrast there
+    Triple shoulder_from_{}, shoulder_slope_{};  // for negatives: where the plot ends, and the contrast there
 };
 
 // Amounts whose integral densities by `weights` (each adds up to 1) are `target`: Newton, from `start`.

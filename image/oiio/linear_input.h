@@ -65,7 +65,7 @@ class LinearInput final : public OIIO::ImageInput {
     bool is_grey_with_alpha_ = false;  // in the file: here it is RGBA
     PictureEncoding encoding_;
     RefusedValues* refused_ = nullptr;
-    std::vector<float> table_;  // of 8 bits
+    std::vector<float> table_;  // linear values of 8 bits
 };
 
 }  // namespace latent::image

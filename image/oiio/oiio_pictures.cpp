@@ -19,7 +19,7 @@ namespace {
 
 using OIIO::TextureOpt;
 
-constexpr int kTile = 64;  // of files without tiles
+constexpr int kTile = 64;  // side of a tile, for files without tiles
 // So many tiles fit into the cache: each thread holds two beside it, and OpenImageIO ends the process at ten times its limit.
 constexpr std::uint64_t kFewestTiles = 16;
 

@@ -40,7 +40,7 @@ class EmbreeGeometry final : public Geometry {
     void find_interfaces();
     void find_bounds();
 
-    FirstError fault_;  // of Embree, while building
+    FirstError fault_;  // what went wrong in Embree while building
     DeviceHandle device_;
     PlacedWorld world_;  // Embree's geomIDs are the indices of shapes in it
     std::vector<SceneHandle> object_scenes_;

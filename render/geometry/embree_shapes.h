@@ -25,9 +25,9 @@ struct TraceContext {
     EmbreeContext embree;  // the first member, which Embree passes on
     const PlacedWorld* world;
     Stop stop;
-    float t_max;                             // of the ray: Embree's own shrinks to the hits that it finds
+    float t_max;                             // end of the ray: Embree's own shrinks to the hits that it finds
     float behind = 0;                        // in t: surfaces this far behind the hit may lie on it, and are looked for
-    double hit_t = kInfinity;                // of kFirstSolid: the first hit so far on a watched shape
+    double hit_t = kInfinity;                // for kFirstSolid: the first hit so far on a watched shape
     float passed = 1;                        // Line's
     std::vector<MetSurface> met{};           // surfaces between media, in no order, also a little behind the hit
     std::vector<PassedTube> passed_tubes{};  // Embree may find a crossing of a tube more than once; it counts once

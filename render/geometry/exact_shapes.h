@@ -14,7 +14,7 @@ namespace latent::render {
 
 struct ExactHit {
     double t;
-    double u = 0, v = 0;  // of a patch
+    double u = 0, v = 0;  // coordinates on a patch
 };
 
 // The first hit with low < t < high, or none. The direction need not have unit length.

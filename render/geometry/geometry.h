@@ -20,7 +20,7 @@ namespace latent::render {
 // Which primitive a ray hit, and where: numbers of Geometry's own.
 struct PrimitivePoint {
     std::uint32_t instance, shape, primitive;
-    Vec2f uv;        // of the primitive
+    Vec2f uv;        // coordinates on the primitive
     float time = 0;  // Ray's
 };
 
@@ -37,7 +37,7 @@ struct SurfaceHit {
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: the surface does not change the ray's medium
     bool ribbon;                                  // ShapeDescription::ribbon
-    float across;                                 // of it, if it was asked for: -1 to 1 along ns x dpdu
+    float across;                                 // where it lies across, if that was asked for: -1 to 1 along ns x dpdu
     bool mirrored = false;                        // if it was asked for: dp/dv lies against ns x dpdu
     PrimitivePoint on;
 
@@ -49,7 +49,7 @@ struct SurfaceCoordinates {
     Vec2f uv;
     Vec3f dpdu, dpdv;          // not parallel
     Vec3f tangent, bitangent;  // these, or where the mesh says that u and v run
-    Vec3f dndu, dndv;          // of the shading normal, turned as SurfaceHit::ns
+    Vec3f dndu, dndv;          // derivatives of the shading normal, turned as SurfaceHit::ns
     AmongVertices vertices;
 };
 
@@ -59,7 +59,7 @@ enum class EmitterKind : std::uint8_t { kTriangle, kSphere, kQuadric };
 struct Emitter {
     std::uint32_t area_light = kNone;  // index into SceneDescription::area_lights
     std::uint32_t shape = kNone;       // index into SceneDescription::shapes
-    std::uint32_t primitive = 0;       // of the shape
+    std::uint32_t primitive = 0;       // its number in the shape
     EmitterKind kind = EmitterKind::kTriangle;
     Vec3f p{}, e1{}, e2{};  // triangle: a vertex and the edges from it; sphere: its centre in p
     Vec3f n{};              // triangle: unit normal as SurfaceHit::ng

@@ -15,8 +15,8 @@ namespace latent::render {
 struct PlacedShape {
     ShapeDescription shape;
     Affined from_world{};                 // quadrics
-    QuadricPart part{};                   // of them
-    std::uint32_t first_emitter = kNone;  // of its primitives
+    QuadricPart part{};                   // the part of a quadric that is there
+    std::uint32_t first_emitter = kNone;  // the emitter of its first primitive
 
     bool hollow = false;      // hair: rays pass it from inside, and the normals of a tube point outwards
     bool is_watched = false;  // a hit need not end the ray, or is to be noted: Embree asks about each
@@ -42,14 +42,14 @@ struct PlacedInstance {
 };
 struct MovingInstance {
     const std::vector<PlacedShape>* shapes;
-    Motion motion;  // of world_from_object
+    Motion motion;  // how world_from_object moves
 
     PlacedInstance at(float time) const { return {*shapes, motion.at(static_cast<double>(time))}; }
 };
 
 struct PlacedWorld {
-    std::vector<PlacedShape> shapes{};                // of the world
-    std::vector<std::vector<PlacedShape>> objects{};  // of each
+    std::vector<PlacedShape> shapes{};                // those of the world
+    std::vector<std::vector<PlacedShape>> objects{};  // those of each object
     std::vector<PlacedInstance> instances{};          // their numbers follow those of the world's shapes
     std::vector<MovingInstance> moving{};             // and then these
     const Opacity* opacity = nullptr;

@@ -8,7 +8,7 @@ namespace latent::render {
 struct Ray {
     Vec3f o, d;  // d need not have unit length; t counts in lengths of d
     float t_max = kInfinity;
-    float time = 0;                     // of all motions: from 0, their start, to 1
+    float time = 0;                     // for all motions: from 0, their start, to 1
     bool may_start_on_surface = false;  // o has no known normal: the first solid is none that contains it
 
     Ray at_time(float then) const { return {o, d, t_max, then, may_start_on_surface}; }

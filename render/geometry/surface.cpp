@@ -10,7 +10,7 @@ namespace latent::render {
 namespace {
 
 constexpr float kHalfUlp = 0x1p-24f;     // relative error of a double rounded to float
-constexpr float kPlaneError = 0x1p-21f;  // of Embree's distance to a triangle's plane, per its extent
+constexpr float kPlaneError = 0x1p-21f;  // error of Embree's distance to a triangle's plane, per its extent
 
 // The error of a surface point that was computed in double from numbers up to `size`. Near the origin, p itself is much smaller.
 float exact_error(const Vec3f& p, double size) {

@@ -23,12 +23,12 @@ struct TubePoint {
     TubePoint(const Tube& tube, double u, const Vec3d& near);  // the one nearest to `near`, whose place along the axis is about u
 
     double u;  // along the axis
-    Vec3d d;   // of the axis there, unit
+    Vec3d d;   // direction of the axis there, unit
     Vec3d n;   // unit, from the axis to the point
     Vec3d p;
     Vec3d normal;  // outwards, of any length: tilted from n as the radius changes
     Vec3d dpdu, dpdv;
-    Vec3d dndu, dndv;  // of `normal`
+    Vec3d dndu, dndv;  // derivatives of `normal`
 
     double v(const Tube& tube) const;  // around the axis, from 0 to 1
 };

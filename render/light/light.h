@@ -54,7 +54,7 @@ class Light {
     bool has_area() const { return !infinite_ && !delta_; }
     // Whether rays can run into it: not a point, a single direction, nor a surface that is nowhere.
     bool can_be_met() const { return !delta_ && !hidden_; }
-    const PointSource* point_source() const {  // of a light that is a point; else null
+    const PointSource* point_source() const {  // for a light that is a point; else null
         return visit([](const auto& light) -> const PointSource* {
             if constexpr (requires { light.source(); }) {
                 return &light.source();

@@ -11,7 +11,7 @@ namespace latent::render {
 struct LightBounds {
     Box box{};
     Vec3d center{};
-    double radius = 0;         // of the ball
+    double radius = 0;         // the ball's
     Vec3d axis{0, 0, 1};       // unit
     float spread = 0.5f;       // from the axis to any direction in which some part shines most
     float falloff = 0.25f;     // from there to where it shines no more

@@ -20,16 +20,16 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
                    SpectrumLibrary& library) {
     // The lights of one source in the scene share its spectrum: a mesh may be a million lights.
     struct Source {
-        std::uint32_t id, spectrum;  // of the library
+        std::uint32_t id, spectrum;  // number of the source, and of its spectrum in the library
         std::size_t of_density;      // index into spectra_
-        double weighed, luminance;   // of the spectrum
+        double weighed, luminance;   // integrals of the spectrum
     };
     const auto source = [&](std::size_t id, const color::Spectrum& spectrum) -> Source {
         spectra_.push_back({spectrum, 0});
         return {static_cast<std::uint32_t>(id), library.add(spectrum, Lookup::kNearestNm), spectra_.size() - 1,
                 integral_of_product(spectrum, choice_weight()), luminance(spectrum)};
     };
-    std::vector<double> power;  // of each light, weighed
+    std::vector<double> power;  // each light's, weighed
     const auto add = [&](const Source& s, const auto& type, bool is_hidden = false) {
         const Light light(s.id, type, is_hidden);
         const double size = static_cast<double>(light.emission().scale) * light.extent();
@@ -107,7 +107,7 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
         }
     }
 
-    double sums[2] = {0, 0};  // of local and of infinite lights, which share the choices evenly
+    double sums[2] = {0, 0};  // for local and for infinite lights, which share the choices evenly
     for (std::size_t i = 0; i < power.size(); ++i) sums[lights_[i].is_infinite()] += power[i];
     for (std::size_t i = 0; i < power.size(); ++i) power[i] /= std::max(sums[lights_[i].is_infinite()], 1e-300);
     if (sums[0] + sums[1] > 0) {

@@ -60,7 +60,7 @@ class LightSet {
     std::vector<std::unique_ptr<const ShapeDescription>> quadrics_;
     std::vector<std::unique_ptr<const EmissionPattern>> patterns_;
     AliasTable table_;
-    LightTree tree_;             // of those that are not infinite
+    LightTree tree_;             // holds those that are not infinite
     AliasTable infinite_table_;  // beside the tree: no other light has a probability; empty: no infinite light shines
 };
 

@@ -27,7 +27,7 @@ constexpr std::uint32_t kBuckets = 12;
 
 struct Split {
     int axis = -1;  // -1: none
-    double at = 0;  // of middles
+    double at = 0;  // middles below it are on one side
 };
 
 double coordinate(const Vec3d& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
@@ -49,7 +49,7 @@ Split best_split(const std::vector<LightBounds>& bounds, const std::uint32_t* fi
             const double slice = (coordinate(bounds[*i].center, axis) - low) / extent * kBuckets;
             add(slices[std::min(static_cast<std::uint32_t>(slice), kBuckets - 1)], bounds[*i]);
         }
-        std::array<double, kBuckets> cost{};  // of a split behind each slice
+        std::array<double, kBuckets> cost{};  // cost of a split behind each slice
         std::optional<LightBounds> below, above;
         for (std::uint32_t s = 0; s + 1 < kBuckets; ++s) {
             if (slices[s]) add(below, *slices[s]);

@@ -36,14 +36,14 @@ class LightTree {
     float probability(std::uint32_t i, const Vec3f& p, const LightSampleContext& context) const;
     // Whether any of them may shine on p.
     bool reaches(const Vec3f& p, const LightSampleContext& context) const;
-    std::uint32_t depth() const { return depth_; }  // of the deepest light
+    std::uint32_t depth() const { return depth_; }  // how many choices lead to the deepest light
 
  private:
     // Two halves side by side, as 4 lanes of floats take them.
     struct Pair {
         void set(std::uint32_t half, const LightBounds& bounds);
 
-        float x[2]{}, y[2]{}, z[2]{}, radius2[2]{};   // of the ball
+        float x[2]{}, y[2]{}, z[2]{}, radius2[2]{};   // the ball
         float axis_x[2]{}, axis_y[2]{}, axis_z[2]{};  // turned about: towards who is lit
         float cos_spread[2]{}, sin_spread[2]{}, cos_falloff[2]{}, intensity[2]{};
         std::uint32_t sides[2]{};  // the bits of a cosine that count: not the sign, if both sides are alike
@@ -61,7 +61,7 @@ class LightTree {
                       std::uint32_t* end, std::uint32_t depth, std::uint64_t trail);
 
     std::vector<Pair> pairs_;           // the first one: the root, and nothing beside it
-    std::vector<std::uint64_t> trail_;  // of each light: the choices that lead there, the first one lowest, below a 1; 0: none do
+    std::vector<std::uint64_t> trail_;  // for each light, the choices that lead there, the first one lowest, below a 1; 0: none do
     std::uint32_t depth_ = 0;
 };
 

@@ -59,7 +59,7 @@ struct LightRay {
     Vec3f d;              // unit
     float pdf_position;   // 1/m^2: on the light, or on the disk; 1 for a point
     float pdf_direction;  // 1/sr; 1 for a distant light
-    float cosine = 1;     // of d to the light's normal; 1 for points and infinite lights
+    float cosine = 1;     // between d and the light's normal; 1 for points and infinite lights
     float profile = 1;    // spot: its profile
     std::uint32_t medium = kNone;
     Vec2f uv{};  // EmissionPoint's
@@ -70,7 +70,7 @@ struct LightRay {
 // Where a light of a single point stands and what it shines on: all that sampling along a ray needs.
 struct PointSource {
     Vec3f p;
-    Vec3f axis{};     // of a cone; unit
+    Vec3f axis{};     // a cone's; unit
     float outer = 2;  // 1 - cos of the cone's half angle; 2: every direction
 
     LightBounds bounds() const {

@@ -45,7 +45,7 @@ class Material {
         SpectrumSource spectrum{};
         FloatSource number{};
         std::uint32_t option = 0;
-        float factor = 1;       // of the spectrum
+        float factor = 1;       // multiplies the spectrum
         bool is_there = false;  // the spectrum
         bool varies = false;    // the index, with wavelength
         bool is_root = false;   // alpha is the root of what the texture gives
@@ -58,7 +58,7 @@ class Material {
 
     bool is_textured_ = false, disperses_ = false;
     Bsdf (*make_)(const Material&, const SurfaceHit&, const TexturePoint&, std::uint32_t) = nullptr;
-    std::vector<Source> sources_;                     // of the closure's inputs
+    std::vector<Source> sources_;                     // where the closure's inputs come from
     std::unique_ptr<const MeasuredTables> measured_;  // null: it was not measured
     std::array<std::uint32_t, 2> mixed_;
     Relief relief_, coat_relief_;

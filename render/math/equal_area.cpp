@@ -8,7 +8,7 @@ Vec3f sphere_from_centred(const Vec2f& p) {
     const float up = std::abs(p.x), vp = std::abs(p.y);
     const bool upper = up + vp <= 1;
     const float r = upper ? up + vp : (1 - up) + (1 - vp);                // 0 at either pole
-    const float quadrants = r == 0 ? 0.5f : (vp - up) / r * 0.5f + 0.5f;  // of the angle phi, 0..1
+    const float quadrants = r == 0 ? 0.5f : (vp - up) / r * 0.5f + 0.5f;  // the angle phi, from 0 to 1
     const SinCos a = sincos_turns(quadrants * 0.25f);
     const float z = upper ? 1 - r * r : r * r - 1;
     const float s = r * std::sqrt(std::max(0.0f, 2 - r * r));

@@ -23,7 +23,7 @@ class Equiangular {
         const Vec3f to = light - o;
         const float r = render::length(to);
         // A ray through the light is taken to pass beside it, so that p_E stays finite: a density all the same.
-        const Vec3f normal = cross(to, d);  // of the plane of ray and light
+        const Vec3f normal = cross(to, d);  // normal of the plane of ray and light
         D_ = std::max({render::length(normal), 1e-5f * r, 1e-15f});
         delta_ = dot(to, d);
         r2_ = D_ * D_ + delta_ * delta_;

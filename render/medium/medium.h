@@ -18,8 +18,8 @@ namespace latent::render {
 struct MediumStep {
     bool scattered;
     float t;              // [m]: where, or the length of the segment
-    float density;        // of a vertex at t [1/m], or the probability of passing the segment
-    float transmittance;  // of the way to t
+    float density;        // density of a vertex at t [1/m], or the probability of passing the segment
+    float transmittance;  // along the way to t
     float column;         // [m]: integral of the medium's relative density along that way; its length if the medium is homogeneous
 };
 

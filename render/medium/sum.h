@@ -13,7 +13,7 @@ class SumMedium final : public HeterogeneousMedium {
  public:
     struct Part {
         std::unique_ptr<const HeterogeneousMedium> varied;  // null: the same everywhere
-        Affined unit_from_world{};                          // of `varied`
+        Affined unit_from_world{};                          // the box of `varied` becomes the unit cube
         float max_sigma_t = 0, mean_sigma_t = 0;            // over all wavelengths, at density 1
         // For a medium that is the same everywhere: spectra of the library. `emission` may be kNone.
         std::uint32_t sigma_t = 0, sigma_s = 0, emission = kNone;

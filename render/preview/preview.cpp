@@ -17,7 +17,7 @@
 namespace latent::render {
 namespace {
 
-constexpr double kMaxPixels = 1024, kUsefulPixels = 320, kMinPixels = 160;  // of the longer side
+constexpr double kMaxPixels = 1024, kUsefulPixels = 320, kMinPixels = 160;  // along the longer side
 constexpr double kCleanPerPixel = 4;                                        // samples; below kUsefulPixels, one is enough
 
 constexpr double kGlance = 1e-6;  // seconds: min_samples and no more

@@ -16,7 +16,7 @@ struct Preview {
     double sensitivity = 1;  // that it was printed with
     bool is_black = false;   // no exposure could be chosen
     bool is_denoised = false;
-    Forecast forecast;  // of the whole job
+    Forecast forecast;  // for the whole job
 };
 
 // NAME.preview.png, beside the output NAME.latent.

@@ -165,7 +165,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     app.add_flag("--ignore-space", line.ignore_space, "start even if the file is not expected to fit on the disk");
     app.footer(kBelowOptions);
     app.parse_complete_callback([&line, &app] {
-        constexpr double kMaxPerPixel = 1e6;  // of a picture that never gets clean
+        constexpr double kMaxPerPixel = 1e6;  // for a picture that never gets clean
         if (line.until && app.get_option("--max-spp")->count() == 0) line.settings.spp = kMaxPerPixel;
         line.has_output = !line.options.output.empty();
         if (line.has_output) return;

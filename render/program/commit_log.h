@@ -9,7 +9,7 @@
 namespace latent::render {
 
 struct Committed {
-    std::uint64_t samples = 0;      // of the range, earlier work included
+    std::uint64_t samples = 0;      // in the range, earlier work included
     std::uint64_t bytes = 0;        // written now
     double samples_per_second = 0;  // rendered now
 };

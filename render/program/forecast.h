@@ -15,10 +15,10 @@
 namespace latent::render {
 
 struct Forecast {
-    std::uint64_t samples = 0;    // of the job's range
-    std::uint64_t committed = 0;  // of these, by earlier work
+    std::uint64_t samples = 0;    // in the job's range
+    std::uint64_t committed = 0;  // those of them that earlier work has committed
     double seconds = 0;           // for the others
-    std::uint64_t bytes = 0;      // of the whole part: a resumed render copies what was committed before it removes that
+    std::uint64_t bytes = 0;      // size of the whole part: a resumed render copies what was committed before it removes that
     std::uint64_t measured_samples = 0;
     std::optional<std::uint64_t> free_bytes;  // in the folder of the output, if the system says
 
@@ -40,7 +40,7 @@ struct Trial {
     TemporaryPath folder;
     std::filesystem::path file;     // what it committed
     std::uint64_t samples = 0;      // in it, at least one
-    std::uint64_t bytes = 0;        // of it
+    std::uint64_t bytes = 0;        // its size
     double seconds_per_sample = 0;  // RenderReport's
 };
 // Where a trial makes its folder, what it is for ("preview"), what to do if that cannot be: "choose another folder with -o", and

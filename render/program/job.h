@@ -29,7 +29,7 @@ struct Shard {
 // The median of the relative standard error of a picture's pixels (tools/develop/noise/noise.h).
 struct NoiseTarget {
     double relative = 0;
-    std::uint32_t width = 0;  // of the picture; 0: what is rendered for
+    std::uint32_t width = 0;  // the picture's; 0: what is rendered for
 };
 
 // What the command line says; what it leaves out, the scene decides.
@@ -65,8 +65,8 @@ struct RenderJob {
     LoadedScene scene;
     std::unique_ptr<Integrator> integrator;
     sampledb::Job job;
-    sampledb::SampleRange all;              // of all shards
-    sampledb::SampleRange range;            // of this process
+    sampledb::SampleRange all;              // what all shards render
+    sampledb::SampleRange range;            // what this process renders
     IntegratorSettings settings;            // as the command line and the scene give them together
     Resolution resolution{};                // that counts samples
     std::uint64_t raw_sample_bytes = 0;     // at least, uncompressed

@@ -138,7 +138,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     Work work(writer.missing(), stop, options);
     const std::uint64_t total = writer.missing().size(), before = job.range.size() - total;
     if (progress && total > 0) progress(static_cast<double>(before) / static_cast<double>(job.range.size()), "");
-    const std::uint64_t shadow_rays_before = job.integrator->shadow_rays();  // of forecasts
+    const std::uint64_t shadow_rays_before = job.integrator->shadow_rays();  // those of forecasts
     CommitLog log(job.range.size(), std::min(options.checkpoint_seconds, kLogInterval));
     tell(options, log, work, writer, false);
     {

@@ -31,7 +31,7 @@ struct RenderReport {
     bool complete = false;        // else stopped: what was rendered is committed
     bool elsewhere = false;       // complete because another process published the whole range meanwhile
     std::uint64_t samples = 0;    // rendered now
-    std::uint64_t committed = 0;  // of the range, earlier work included
+    std::uint64_t committed = 0;  // in the range, earlier work included
     double seconds = 0;
     double seconds_per_sample = 0;  // once warm: in the second half of options.max_seconds
     std::uint64_t shadow_rays = 0;

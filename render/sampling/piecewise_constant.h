@@ -24,7 +24,7 @@ class PiecewiseConstant {
     std::uint64_t width(std::uint32_t i) const {
         return (i + 1 < begin_.size() ? begin_[i + 1] : std::uint64_t{1} << 32) - begin_[i];
     }
-    std::vector<std::uint32_t> begin_;  // of each step, in units of 2^-32
+    std::vector<std::uint32_t> begin_;  // where each step begins, in units of 2^-32
 };
 
 }  // namespace latent::render

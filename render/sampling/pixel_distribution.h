@@ -25,7 +25,7 @@ class PixelDistribution {
 
  private:
     PiecewiseConstant rows_;
-    std::vector<PiecewiseConstant> columns_;  // of the pixels of each row
+    std::vector<PiecewiseConstant> columns_;  // one for the pixels of each row
 };
 
 }  // namespace latent::render

@@ -17,7 +17,7 @@ struct SampleState {
     SampledSpectra& spectra;
     std::uint32_t kept;
     std::optional<Random> randoms{};  // begun when first asked: most samples need none
-    float time = 0;                   // of all motions: from 0, their start, to 1
+    float time = 0;                   // for all motions: from 0, their start, to 1
     std::uint64_t shadow_rays = 0;    // tests of visibility between two points so far
 
     Uniform random() {

@@ -15,7 +15,7 @@ namespace {
 // A table as it becomes.
 template <class T>
 struct Reordered {
-    std::map<Hash128, std::uint32_t> index;  // of the entry with this content
+    std::map<Hash128, std::uint32_t> index;  // where the entry with this content stands
     std::vector<T> entries;
 };
 template <class... Table>

@@ -14,7 +14,7 @@ namespace latent::render {
 // to one entry or to two equal ones.
 struct ContentHashes {
     Hash128 scene;
-    std::unordered_map<const void*, Hash128> entries{};  // of the tables' entries that are used, by address
+    std::unordered_map<const void*, Hash128> entries{};  // hashes of the tables' entries that are used, by address
 };
 ContentHashes content_hashes(const SceneDescription& scene);
 

@@ -53,16 +53,16 @@ struct CameraDescription {
 // "selector".
 struct MaterialDescription {
     std::string type = "diffuse";
-    std::string name{};  // of MakeNamedMaterial; else empty
+    std::string name{};  // as MakeNamedMaterial gives it; else empty
     // An input that is in none of these maps has the default of its closure.
     std::map<std::string, FloatInput, std::less<>> numbers{};
     std::map<std::string, SpectrumInput, std::less<>> spectra{};
     std::map<std::string, std::uint32_t, std::less<>> options{};  // flags, choices, counts
     bool remap_roughness = false;                                 // where a texture gives a facet's alpha, it gives alpha squared
-    std::shared_ptr<const MeasuredBrdf> measured{};               // of a closure that is made of measurements
+    std::shared_ptr<const MeasuredBrdf> measured{};               // for a closure that is made of measurements
     FloatInput displacement{};                                    // along the normal, by a texture alone
     std::uint32_t normal_map = kNone;       // index into SceneDescription::textures, unless there is a displacement
-    float normal_scale = 1;                 // of its x and y
+    float normal_scale = 1;                 // factor of its x and y
     bool normals_follow_v = false;          // its y axis is that of v; else it is to the left of its x axis, that of u
     std::uint32_t coat_normal_map = kNone;  // the same of a coat, which else has the normals of the shape
     float coat_normal_scale = 1;
@@ -99,10 +99,10 @@ struct MediumDescription {
 struct AreaLightDescription {
     color::Spectrum spectrum{};
     double scale = 1;
-    std::optional<double> power{};  // of each triangle, patch or sphere by itself
+    std::optional<double> power{};  // for each triangle, patch or sphere by itself
     bool two_sided = false;         // else emits on the side of the geometric normal
     std::uint32_t picture = kNone;  // index into SceneDescription::textures: a spectrum that varies, times the other one
-    double mean_luminance = 1;      // of that picture
+    double mean_luminance = 1;      // mean of that picture
     double exponent = 0;            // radiance is that of the normal times cos^exponent
     std::string name{};             // "": none
     std::uint32_t group = 0;        // LightGroups (scene/light_groups.h); 0 unless the job asks for them
@@ -119,7 +119,7 @@ enum class LightKind : std::uint8_t { kPoint, kSpot, kDistant, kInfinite, kGonio
 
 struct LightDescription {
     LightKind kind = LightKind::kPoint;
-    color::Spectrum spectrum{};  // of an image: the normalised illuminant that its rgb multiplies
+    color::Spectrum spectrum{};  // for an image, the normalised illuminant that its rgb multiplies
     double scale = 1;
     std::optional<double> power{};        // those of a point
     std::optional<double> illuminance{};  // distant, infinite
@@ -141,14 +141,14 @@ enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kTube, kSphere, kDi
 // Triangles, patches or tubes. Vertices are in the space of the world or of the object that the shape belongs to, counted from the
 // origin of either.
 struct MeshDescription {
-    std::vector<Vec3f> positions{};  // of tubes: the points of cubic Bezier curves, their axes
+    std::vector<Vec3f> positions{};  // for tubes, the points of cubic Bezier curves, their axes
     std::vector<Vec3f> normals{};    // per vertex, unit length, or empty; for tubes, per segment: where v = 0 as it begins
     // Per vertex, of any length, or empty: where u and v run for normal maps and anisotropy, instead of along dp/du and dp/dv.
     std::vector<Vec3f> tangents{}, bitangents{};
     std::vector<Vec2f> uvs{};                    // per vertex, or empty
     std::vector<std::vector<Vec2f>> more_uvs{};  // further sets, each per vertex
     std::vector<std::array<float, 4>> colors{};  // linear sRGB and alpha, per vertex, or empty
-    std::vector<float> radii{};                  // of tubes, per point
+    std::vector<float> radii{};                  // for tubes, per point
     std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11); for tubes: the first of four points
 };
 
@@ -159,10 +159,10 @@ struct ShapeDescription {
     // Quadrics: |p| = radius of a sphere; inner_radius <= |(x, y)| <= radius at z = height of a disk; |(x, y)| = radius of a
     // cylinder.
     double radius = 1, inner_radius = 0, height = 0;
-    double z_min = -1, z_max = 1;    // of a sphere and a cylinder: the part between these, not beyond the sphere
+    double z_min = -1, z_max = 1;    // for a sphere and a cylinder, the part between these, not beyond the sphere
     double phi_max_degrees = 360;    // the part up to this angle from x about z
     bool flip_normal = false;        // triangles: ng = -(p1 - p0) x (p2 - p0); tubes and quadrics: ng points inwards, down
-    bool ribbon = false;             // of hair: v runs across a fibre from 0 to 1
+    bool ribbon = false;             // for hair: v runs across a fibre from 0 to 1
     bool pairs = false;              // triangles 2 i and 2 i + 1 are the halves of a flat patch
     FloatInput alpha = 1;            // share of the surface that is there; the rest are holes, too fine to see
     std::uint32_t material = kNone;  // kNone: "interface", which scatters nothing

@@ -9,7 +9,7 @@ namespace latent::render {
 
 struct ShapeCounts {
     std::uint64_t triangles = 0, patches = 0;  // patches: bilinear, curved; a flat parallelogram is two triangles
-    std::uint64_t curve_segments = 0;          // of tubes
+    std::uint64_t curve_segments = 0;          // in all tubes
     std::uint64_t quadrics = 0;                // spheres, disks and cylinders, or parts of them
 
     bool operator==(const ShapeCounts&) const = default;

@@ -42,7 +42,7 @@ struct MappingDescription {
     std::array<double, 2> s{1, 0}, t{0, 1};  // uv: (s, t) = (s . (u, v), t . (u, v)) + delta
     double delta_u = 0, delta_v = 0;         // uv, planar
     Vec3d v1{1, 0, 0}, v2{0, 1, 0};          // planar
-    Affined texture_from_world{};            // of places counted from SceneDescription::origin
+    Affined texture_from_world{};            // places are counted from SceneDescription::origin
 };
 
 enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kMirror, kOctahedralSphere };
@@ -52,7 +52,7 @@ enum class TextureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa, k
 struct PictureDescription {
     std::string path{};
     std::string name{};                 // in messages: the place where the scene names it, and its path
-    Hash128 content{};                  // of the file
+    Hash128 content{};                  // hash of the file
     std::array<TextureWrap, 2> wrap{};  // along s and t; kOctahedralSphere: both
     TextureFilter filter = TextureFilter::kBilinear;
     double max_anisotropy = 8;  // ewa
@@ -89,12 +89,12 @@ enum class TextureKind : std::uint8_t {
 struct TextureDescription {
     TextureKind kind = TextureKind::kConstant;
     bool is_spectrum = false;
-    SpectrumRole role = SpectrumRole::kReflectance;  // of a spectrum texture
+    SpectrumRole role = SpectrumRole::kReflectance;  // for a spectrum texture
     // constant, scale, threshold: the first; mix, checkerboard, directionmix: two; dots: inside, outside; bilerp: v00 v01 v10 v11
     std::array<FloatInput, 4> numbers{};
     std::array<SpectrumInput, 4> spectra{};
     FloatInput amount{};                     // scale: the factor; mix: of the second; threshold: from which on it is 1, not 0
-    MappingDescription mapping{};            // of those that depend on the place
+    MappingDescription mapping{};            // for those that depend on the place
     PictureDescription picture{};            // image
     std::array<double, 4> tint{1, 1, 1, 1};  // image, vertexcolor: factors of R, G, B and alpha, before they become a spectrum
     bool by_vertex_color = false;            // image: times the colours of the vertices, too

@@ -29,7 +29,7 @@ struct GridVolume {
     // has the peak 1 over wavelengths, and replaces the spectrum Le.
     PlacedGrid temperature{};
     double temperature_offset = 0, temperature_scale = 1;
-    PlacedGrid Le_scale{};  // of the emission; none: 1
+    PlacedGrid Le_scale{};  // factor of the emission; none: 1
 };
 
 // Spectra of voxels that share a box evenly, x first: c0 c1 c2 and scale of a color::SigmoidSpectrum each, or r g b and 1 of what

@@ -14,7 +14,7 @@ struct SpectrumLevels {
 
     std::uint32_t count = 0;  // 0: they are not few, and nothing below is set
     float value[kMax];
-    float share[kMax];                     // of the k wavelengths
+    float share[kMax];                     // for each of the k wavelengths
     const SampledSpectrum* members[kMax];  // 1 for the wavelengths of a level, 0 for all others and from k on
 
     // `allocate` returns room for the members.

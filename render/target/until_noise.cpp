@@ -18,7 +18,7 @@ namespace latent::render {
 namespace {
 
 constexpr double kFirstPerPixel = 16;  // samples of the first round
-constexpr double kMaxGrowth = 4;       // of a round: few samples say little about many
+constexpr double kMaxGrowth = 4;       // from one round to the next: few samples say little about many
 constexpr double kMargin = 1.02;       // on a forecast, so that it need not be made again because of chance
 
 // The end of what is committed, by earlier rounds or by rounds that were interrupted.

@@ -14,8 +14,8 @@
 namespace latent::render {
 
 struct UntilNoiseReport {
-    RenderReport render;                       // of all rounds; not complete: the last was stopped
-    std::optional<develop::NoiseLevel> noise;  // of all that was rendered, unless it was stopped
+    RenderReport render;                       // adds up all rounds; not complete: the last was stopped
+    std::optional<develop::NoiseLevel> noise;  // noise of all that was rendered, unless it was stopped
     double measuring_seconds = 0;              // RenderReport::seconds does not contain them
     std::string shortfall;                     // why the target was not reached; empty if it was, or if it was stopped
 };

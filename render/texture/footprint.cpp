@@ -3,7 +3,7 @@
 namespace latent::render {
 
 namespace {
-constexpr double kShare = 0.25;  // of a pixel's width: the samples of a pixel overlap, and what a filter blurs stays blurred
+constexpr double kShare = 0.25;  // part of a pixel's width: the samples of a pixel overlap, and what a filter blurs stays blurred
 constexpr float kGrazing = 0.01f;
 }  // namespace
 

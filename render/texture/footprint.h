@@ -22,7 +22,7 @@ class Footprint {
     Vec3f center_, axis_;
     Vec3f way_{};  // that the centre moves along
     bool parallel_, turns_ = false;
-    float size_;        // of a pixel on the axis: an angle, or for parallel rays a length
+    float size_;        // size of a pixel on the axis: an angle, or for parallel rays a length
     float min_cosine_;  // to the axis, of what the film shows; 1: pixels are as large everywhere
 };
 

@@ -20,7 +20,7 @@ class RgbColors {
 
  private:
     const color::RgbLattice* lattice_ = nullptr;  // null: by the basis
-    std::array<std::uint32_t, 3> basis_{};        // of the library
+    std::array<std::uint32_t, 3> basis_{};        // spectra of the library
 };
 
 }  // namespace latent::render

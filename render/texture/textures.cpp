@@ -29,7 +29,7 @@ struct Textures::Builder {
     std::vector<std::string> errors{};
     std::optional<RgbColors> known_colors{};
 
-    const RgbColors& colors() {  // of the scene: made when first needed
+    const RgbColors& colors() {  // the scene's, made when first needed
         if (!known_colors) known_colors.emplace(scene.rgb_spectra, library);
         return *known_colors;
     }

@@ -13,7 +13,7 @@
 namespace latent::render {
 
 struct TextureSettings {
-    std::uint64_t cache_bytes = 0;        // of decoded pictures; 0: what those without tiles take, within bounds
+    std::uint64_t cache_bytes = 0;        // for decoded pictures; 0: what those without tiles take, within bounds
     std::uint32_t width = 0, height = 0;  // pixels that footprints are shares of; 0: the scene's film
 };
 
@@ -39,7 +39,7 @@ class Textures {
     struct Builder;
 
     std::unique_ptr<image::Pictures> pictures_;
-    std::string shortage_{};  // of the cache, in words
+    std::string shortage_{};  // why the cache is too small, in words
     // One for each description.
     std::vector<std::unique_ptr<FloatTexture>> floats_;
     std::vector<std::unique_ptr<SpectrumTexture>> spectra_;

@@ -80,7 +80,7 @@ Seen Aovs::look(SampleState& sample, const Camera& camera, double u, double v) c
     Vec3f origin, d;
     camera.ray(u, v, seen.lens, origin, d);
     Interaction at{origin, 0, {}};
-    SampledSpectrum passed(1.0f);  // of the light that comes by mirrors and glass
+    SampledSpectrum passed(1.0f);  // share of the light that comes by mirrors and glass
     bool dispersed = false;
     for (std::uint32_t i = 0;; ++i) {
         const Line line = world_.geometry().trace(spawn_ray(at, d).at_time(sample.time), Stop::kFirstSolid);

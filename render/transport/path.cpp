@@ -200,7 +200,7 @@ class Path {
     std::uint32_t depth_ = 0;  // scattering vertices before this one
     bool dispersed_ = false, delta_ = true;
     bool in_tracked_ = false;     // the last vertex is in a medium that varies in space
-    float eta2_ = 1;              // of all refractions so far
+    float eta2_ = 1;              // product over all refractions so far
     float pdf_ = 0;               // [1/sr] of d_
     LightSampleContext context_;  // the last vertex, as lights were sampled for it
     float transmittance_ = 1;     // probability of passing the media since the last vertex

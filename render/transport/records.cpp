@@ -61,7 +61,7 @@ void SampleRecords::light(const CameraPoint& point, const Radiance& radiance) {
 void SampleRecords::put_groups(const Place& place, const Radiance& radiance, const Seen& seen) {
     const Wavelengths& w = sample_.spectra.wavelengths;
     const bool camera = place.record_class == sampledb::RecordClass::kCamera, all = place.only == kAllWavelengths;
-    float share = !camera ? 0.0f : all ? 1.0f : 1 / static_cast<float>(w.k);  // of the first record of the position
+    float share = !camera ? 0.0f : all ? 1.0f : 1 / static_cast<float>(w.k);  // share of the first record at the position
     bool any = false;
     for (std::uint32_t group = 0; group < radiance.groups(); ++group) {
         const RadianceSum& sum = radiance.of(group);

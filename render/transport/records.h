@@ -62,7 +62,7 @@ class RecordMaker {
     sampledb::RecordKind kind_;
     const LightGroups& groups_;
     AovSettings aovs_;
-    std::vector<sampledb::ExtraColumn> columns_;  // of both, without values
+    std::vector<sampledb::ExtraColumn> columns_;  // both, without values
     // CIE 1931 at integer nm: its three values side by side, and a fourth, 0, for vectors.
     std::array<std::array<float, 4>, color::kIntegerNmCount> observer_{};
 };

@@ -93,7 +93,7 @@ class Sums {
     unsigned step_;
     float* values_;
     std::size_t at_ = 0;
-    std::size_t length_ = 0, count_ = 0;  // of the records that wait
+    std::size_t length_ = 0, count_ = 0;  // records that wait
     std::array<std::size_t, 4> starts_{};
 };
 

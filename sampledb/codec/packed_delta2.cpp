@@ -21,7 +21,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kExceptionCost = 4;  // bytes: three, and the time to read it
-constexpr unsigned kMaxExtraBits = 15;     // of an exception, above its field; one more is the sign
+constexpr unsigned kMaxExtraBits = 15;     // bits of an exception above its field; one more is the sign
 constexpr std::size_t kLooksForBase = 64;  // numbers that a base is the median of
 constexpr unsigned kNumberBits = 32;       // the most that a number less its base has
 

@@ -79,7 +79,7 @@ class Delta2Unpacker {
                   unsigned step, std::span<float> values);
 
  private:
-    std::vector<std::uint32_t> starts_;  // of whole records in the values
+    std::vector<std::uint32_t> starts_;  // where whole records begin in the values
     std::vector<std::uint32_t> rest_;    // longer
 };
 

@@ -12,8 +12,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kPlaces = kFieldsPerBlock / 4;  // of a field in its lane
-constexpr unsigned kWordBits = 32;                    // of a lane
+constexpr std::size_t kPlaces = kFieldsPerBlock / 4;  // where a field may lie in its lane
+constexpr unsigned kWordBits = 32;                    // bits of a lane
 
 // Field `place` of each lane of `words`, four words of four bytes each.
 template <unsigned bits, std::size_t place>

@@ -38,7 +38,7 @@ constexpr std::size_t kColumnEntrySize = 24;
 struct ColumnEntry {
     Column column{};
     Transform transform = Transform::kPlanes;
-    std::uint8_t bits = 0;          // of kPacked and kLattice; the step of kStepped... and kPackedDelta2
+    std::uint8_t bits = 0;          // for kPacked and kLattice; the step of kStepped... and kPackedDelta2
     std::uint8_t lattice_bits = 0;  // s of kLattice
     std::uint64_t base = 0;
     std::uint64_t hash = 0;  // XXH3-64 of the decoded values

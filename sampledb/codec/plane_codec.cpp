@@ -24,7 +24,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
 
-constexpr std::size_t kPiece = 64, kMaxPieces = 32;  // of the sample of a plane
+constexpr std::size_t kPiece = 64, kMaxPieces = 32;  // pieces that a plane is judged by
 constexpr std::uint64_t kBit = 256;                  // unit of information: 2^-8 bit
 
 // n log2(n) for the counts of a sample; integers, so that every machine writes the same file.
@@ -46,7 +46,7 @@ constexpr auto kSelfInformation = [] {
 // What up to 32 blocks of 64 bytes tell of a plane; contiguous ones, so that no stride of the data can hide in them.
 struct PlaneSample {
     std::uint64_t size = 0;
-    std::array<std::uint32_t, 256> counts{};  // of each value
+    std::array<std::uint32_t, 256> counts{};  // how often each value occurs
     std::uint64_t values = 0;                 // that occur
     std::uint64_t information = 0;            // entropy times size
 

@@ -27,7 +27,7 @@ struct PlaneEntry {
 
 // What the encoder gives for speed. An entropy coder takes fewer bits than a dictionary, and much longer to read.
 struct PlaneChoice {
-    unsigned max_waste;  // of a dictionary, in quarter bits per value
+    unsigned max_waste;  // what a dictionary may waste, in quarter bits per value
     unsigned min_gain;   // an entropy coder must save one part of so many
 };
 inline constexpr PlaneChoice kSmallPlanes{3, 16}, kQuickPlanes{10, 6};

@@ -92,7 +92,7 @@ std::size_t join_four(std::span<const ByteSpan> planes, std::span<std::byte> val
     };
     std::uint8_t* to = u8(values.data());
     std::size_t i = 0;
-    if (step[2] == 0 && step[3] == 0) {  // of rounded values, and of differences
+    if (step[2] == 0 && step[3] == 0) {  // as in rounded values and differences
         const auto high = hn::Set(d16, static_cast<std::uint16_t>(repeated[3][0] << 8 | repeated[2][0]));
         for (; i + 16 <= n; i += 16, to += 64) {
             const auto b0 = plane(0), b1 = plane(1);

@@ -37,7 +37,7 @@ class RowSorter {
     // Rows go to buckets by class and the leading bits of z. A bucket is a list of chunks. Low-discrepancy positions fill all
     // buckets at the same pace: a chunk is an odd number of cache lines, so that the ends of the buckets fall on different sets
     // of the cache.
-    static constexpr int kBucketBits = 8;  // of z: a bucket of a large run fits the second-level cache
+    static constexpr int kBucketBits = 8;  // bits of z: a bucket of a large run fits the second-level cache
     static constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
     static constexpr std::uint32_t kChunk = 66;
     struct Bucket {
@@ -64,16 +64,16 @@ class RowSorter {
     std::array<Bucket, 2 * kBuckets> buckets_{};  // camera, then light, by the leading bits of z
     std::array<std::size_t, 2> count_{};          // by class
     std::uint32_t chunks_ = 0;                    // in use
-    BigBuffer<std::uint32_t> next_chunk_;         // of the same bucket
+    BigBuffer<std::uint32_t> next_chunk_;         // the next one of the same bucket
     BigBuffer<Row> rows_;                         // by chunk
-    BigBuffer<std::uint32_t> sources_;            // of each row, in came_.extra; only if there are extra columns
+    BigBuffer<std::uint32_t> sources_;            // where each row stands in came_.extra; only if there are extra columns
     Columns came_;                                // columns of pairs, and extra ones, as they came
-    std::vector<std::uint32_t> first_pair_;       // of a piece
+    std::vector<std::uint32_t> first_pair_;       // in a piece
 
     std::size_t sorted_buckets_ = 0;            // buckets before this one are in order
-    std::size_t first_rank_ = 0;                // of what follows
+    std::size_t first_rank_ = 0;                // where what follows begins
     std::vector<std::uint32_t> z_, order_;      // by rank: Z prefix, place in rows_
-    std::vector<std::uint64_t> keys_, sorted_;  // of a bucket
+    std::vector<std::uint64_t> keys_, sorted_;  // those of a bucket
 };
 
 }  // namespace latent::sampledb

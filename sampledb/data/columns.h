@@ -31,7 +31,7 @@ struct ExtraColumn {
 struct Columns {
     std::vector<std::uint64_t> sample;  // sample number
     std::vector<std::uint32_t> u, v;    // film position, floor(x 2^32)
-    std::vector<float> share;           // of the sample's denominator; camera records only, 0 in light records
+    std::vector<float> share;           // part of the sample's denominator; camera records only, 0 in light records
 
     std::vector<float> x, y, z;  // kXyz
 
@@ -73,8 +73,15 @@ enum class Column : std::uint8_t {  // numbers in the file
     kFirstExtra = 64,
 };
 
-enum class Presence : std::uint8_t { kAlways, kCamera, kXyz, kSpectral, kDensity, kNoDensity };  // of which pages, or jobs
-enum class Rows : std::uint8_t { kRecords, kPairs };                                             // one value for each
+enum class Presence : std::uint8_t {
+    kAlways,
+    kCamera,
+    kXyz,
+    kSpectral,
+    kDensity,
+    kNoDensity
+};                                                    // which pages, or jobs, have a column
+enum class Rows : std::uint8_t { kRecords, kPairs };  // one value for each
 enum class Coding : std::uint8_t {
     kPlain,         // byte planes, or a constant; all that extra columns need
     kSample,        // packed, or on the lattice

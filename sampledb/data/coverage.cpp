@@ -46,7 +46,7 @@ void Coverage::set(Ranges ranges) {
 
 Coverage Coverage::of(Ranges ranges) {
     std::ranges::sort(ranges);
-    auto last = ranges.begin();  // of the union, which grows in the same memory
+    auto last = ranges.begin();  // end of the union, which grows in the same memory
     for (const SampleRange& range : ranges) {
         if (range.empty()) continue;
         if (last != ranges.begin() && range.first <= (last - 1)->end) {

@@ -18,7 +18,8 @@ constexpr std::uint64_t kInverse = 13994560389365007135u;  // ceil(2^127 / 3^40)
 using U128 = unsigned __int128;
 constexpr auto kFraction8 = static_cast<std::uint64_t>((U128{1} << 64) / kPow8);    // 3^-8 in units of 2^-64
 constexpr auto kFraction16 = static_cast<std::uint64_t>((U128{1} << 64) / kPow16);  // 3^-16
-constexpr std::uint32_t kFractionError = 2 * kPow8;  // of a sum of the first eight digits, the second eight and the rest: less
+constexpr std::uint32_t kFractionError =
+    2 * kPow8;  // a sum of the first eight digits, the second eight and the rest is off by less
 static_assert(U128{kInverse} * kPow40 >= U128{1} << 127 && U128{kInverse - 1} * kPow40 < U128{1} << 127);
 
 // Eight ternary digits in reverse order.

@@ -30,7 +30,7 @@ bool begins_footer(ByteSpan bytes, std::uint64_t offset);
 // What the two ends of a footer say.
 struct FooterFrame {
     bool first_form = false;                           // as version 0.1 wrote it
-    std::uint64_t offset = 0;                          // of its first byte
+    std::uint64_t offset = 0;                          // where its first byte is
     std::uint64_t run_count = 0, provenance_size = 0;  // the first form says them in its head only
     std::uint64_t entries_hash = 0;                    // first form: of everything before the end
     std::uint64_t provenance_hash = 0;

@@ -23,7 +23,7 @@ struct RunHeader {
     JobId job;
     SampleRange samples;               // from the first to the end of its coverage
     std::uint64_t sample_count = 0;    // samples that it covers: samples.size() unless the coverage has gaps
-    std::uint32_t interval_count = 0;  // of the coverage
+    std::uint32_t interval_count = 0;  // intervals of the coverage
     std::uint32_t page_count = 0;
     std::uint64_t camera_records = 0, light_records = 0;
     std::uint64_t pair_count = 0;     // spectral: pairs of all records

@@ -60,7 +60,7 @@ class RunIndexDecoder {
     Hasher128 content_;
     std::vector<SampleRange> intervals_;
     TakePage take_;
-    RunHeader sums_;  // of the pages
+    RunHeader sums_;  // what the pages add up to
     std::optional<Error> error_;
 };
 

@@ -31,7 +31,7 @@ class RangeAnswer {
     bool take_header(std::string_view line);  // a status line begins another answer, after a redirection
     bool take_bytes(ByteSpan bytes);
 
-    int status() const { return status_; }  // of HTTP; 0: no answer
+    int status() const { return status_; }  // HTTP's; 0: no answer
     std::uint64_t received() const { return received_; }
     // The version of the file, if the answer tells.
     const std::optional<RemoteVersion>& version() const { return version_; }
@@ -47,7 +47,7 @@ class RangeAnswer {
     const RemoteVersion* known_;
     Bytes& into_;
 
-    std::uint64_t header_bytes_ = 0;  // of all answers
+    std::uint64_t header_bytes_ = 0;  // counted over all answers
     std::uint64_t received_ = 0;      // bytes, of an error's page too
     int status_ = 0;
     std::uint64_t first_ = 0, announced_ = 0;  // Content-Range: first byte, number of bytes
@@ -55,7 +55,7 @@ class RangeAnswer {
     std::optional<RemoteVersion> version_;     // from Content-Range
     std::string modified_;
     bool encoded_ = false;
-    bool took_bytes_ = false;  // of the file
+    bool took_bytes_ = false;  // whether bytes of the file have come
 };
 
 }  // namespace latent::sampledb

@@ -53,7 +53,7 @@ class RangeCache {
         RemoteFile file;
         std::uint64_t begin = 0, end = 0;
         bool is_here = false;
-        Status status;  // of one that is here
+        Status status;  // valid for a block that is here
         Bytes bytes;
         std::list<Key>::iterator place;  // in recent_, of one that is here
     };

@@ -73,7 +73,7 @@ Result<std::optional<FooterReader>> find_footer(const ByteSource& source, std::u
 // What stands before and behind the runs.
 struct Frames {
     FileContents file;
-    std::uint64_t begin = 0, end = 0;  // of the runs, as far as that is known
+    std::uint64_t begin = 0, end = 0;  // where the runs lie, as far as that is known
     std::optional<FooterReader> footer;
 
     static Result<Frames> read(const ByteSource& source) {

@@ -16,7 +16,7 @@ struct Origin {
     std::string parts = "[]";   // JSON: [{"samples": [[A, B], ...], "differences": {...}}, ...]; empty if nothing was merged
     std::size_t part_count = 0;
     bool incomplete = false;             // there were more parts than a file lists
-    double cpu_seconds = 0;              // of all parts that say it, each since it was resumed
+    double cpu_seconds = 0;              // added up over all parts that say it, each since it was resumed
     bool all_timed = false;              // all of them say it
     std::uint64_t committed_before = 0;  // samples that they had when they were resumed
 };

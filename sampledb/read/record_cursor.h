@@ -30,7 +30,7 @@ class RecordCursor {
     // other error, the same page is tried again.
     Result<bool> next(Page& page);
 
-    std::size_t run() const { return run_; }    // of the page that was returned last, or of the error
+    std::size_t run() const { return run_; }    // the run of the page that was returned last, or of the error
     std::size_t page() const { return page_; }  // its index in the run
 
  private:
@@ -43,7 +43,7 @@ class RecordCursor {
     std::size_t end_run_;
     std::size_t next_run_, next_page_ = 0;
     std::size_t run_ = 0, page_ = 0;
-    std::shared_ptr<const std::vector<PageInfo>> pages_;  // of next_run_, once it is begun
+    std::shared_ptr<const std::vector<PageInfo>> pages_;  // pages of next_run_, once it is begun
     PageDecoder decoder_;
     std::vector<std::size_t> rows_;
 };

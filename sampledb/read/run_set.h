@@ -23,7 +23,7 @@ namespace latent::sampledb {
 // A run that a reader of a run set found damaged.
 struct DamagedRun {
     std::filesystem::path file;
-    std::uint64_t offset = 0;  // of its first byte
+    std::uint64_t offset = 0;  // where its first byte is
     std::string reason;        // "run at byte 8192: page 3: checksum mismatch; samples 65536:131072 lost"
 };
 
@@ -51,7 +51,7 @@ Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint6
 struct LeftOut {
     std::string place;        // "b.latent: run 3" or a file name
     std::string reason;       // one clause: "checksum mismatch, samples 65536:131072 lost"
-    std::uint64_t count = 1;  // of what is left out
+    std::uint64_t count = 1;  // how many are left out
 };
 // Adds to a list that stays short, like that of a file's damage.
 void leave_out(std::vector<LeftOut>& list, LeftOut item);
@@ -74,7 +74,7 @@ class RunSet {
     virtual const Job& job() const = 0;
     virtual const std::vector<std::filesystem::path>& files() const = 0;
     virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
-    virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
+    virtual const Coverage& coverage() const = 0;              // what the selected runs cover, cut to `samples`
     virtual const RunSetReport& report() const = 0;
 
     // Pixels of the picture that the samples were rendered for, the largest if files differ; none if no file says.

@@ -61,7 +61,7 @@ class Containment {
             const SampleRange samples = runs[*at].header.samples;
             if (has_gaps(runs[*at])) {
                 gapped_.push_back(*at);
-            } else if (samples.first < first) {  // of the intervals that end there or later, the one that begins first
+            } else if (samples.first < first) {  // among the intervals that end there or later, the one that begins first
                 whole_.push_back(samples);
                 first = samples.first;
             }
@@ -110,7 +110,7 @@ void choose_intervals(Runs runs, const Indices& order, Selection& selection) {
     }
     struct Best {
         std::uint64_t samples = 0;
-        std::uint32_t count = 0;  // of runs
+        std::uint32_t count = 0;  // number of runs
         std::uint32_t continues =
             0;  // how many of the runs before it remain open to it; itself less one if it does not take the last
     };

@@ -16,7 +16,7 @@ namespace latent::sampledb {
 struct SelectedRun {
     std::uint32_t file = 0;    // which of them; has no say in the choice
     bool cut = false;          // only part of it counts: its pages are filtered when they are read
-    std::uint64_t offset = 0;  // of the run's first byte in its file
+    std::uint64_t offset = 0;  // where the run's first byte is in its file
     RunHeader header;          // its counts and hashes; header.size() bytes on disk
     Coverage coverage;         // what it holds completely (one interval unless compacted), less what is cut off
 };
@@ -28,7 +28,7 @@ struct Selection {
     std::vector<std::size_t> repeated;     // the same coverage and content as another
     std::vector<std::size_t> differing;    // the same coverage as another, but other content, with the larger hash
     std::vector<std::size_t> overlapping;  // overlaps chosen runs, and its other samples are lost
-    Coverage coverage;                     // of the chosen runs
+    Coverage coverage;                     // what the chosen runs cover
 };
 
 // Chooses, among all sets of disjoint runs, those that cover the most samples, and among these the smallest: so a canonical run

@@ -60,7 +60,7 @@ class GrainWindow {
     std::condition_variable changed_;
     Coverage unsubmitted_;
     std::map<std::uint64_t, Submitted> waiting_;                 // not yet taken; by first sample
-    std::uint64_t in_order_bytes_ = 0, out_of_order_bytes_ = 0;  // of these: before the first gap, behind it
+    std::uint64_t in_order_bytes_ = 0, out_of_order_bytes_ = 0;  // bytes before the first gap, and behind it
     std::uint64_t taken_, saved_;                                // grains before these samples were taken, are on disk
     std::uint64_t flush_to_ = 0;                                 // grains before this one are wanted on disk at once
     Time late_at_ = Time::max();

@@ -37,7 +37,7 @@ struct Tensor {
     std::vector<std::uint64_t> shape{};
     std::span<const std::byte> bytes{};  // as many as type and shape say, not aligned
 
-    std::vector<float> floats() const;  // of kFloat32
+    std::vector<float> floats() const;  // its type must be kFloat32
 };
 
 // All of them lie within the file. Errors: kForeign, kTruncated, kCorrupt, kUnsupported.

@@ -80,7 +80,7 @@ class Diagnostics {
 
     struct Kind {
         std::size_t line = 0;
-        std::string text{};  // of the first; empty if it was not said
+        std::string text{};  // what the first says; empty if it was not said
         std::unordered_set<std::string> places{};
     };
     void say_of_kind(const std::string& kind, const std::string& place, const std::string& message, Lines& out) {

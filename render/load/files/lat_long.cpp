@@ -18,7 +18,7 @@ ImageDescription equal_area_from_lat_long(const ImageDescription& image) {
     const auto side = static_cast<std::uint32_t>(std::ceil(image.height * 2 / std::sqrt(std::numbers::pi)));
     ImageDescription out{side, side, std::vector<float>(std::size_t{3} * side * side)};
     const auto index = [](double x, std::uint32_t size) { return std::min(static_cast<std::uint32_t>(x * size), size - 1); };
-    const auto pixel_at = [&](std::uint32_t x, std::uint32_t y) {  // of the picture
+    const auto pixel_at = [&](std::uint32_t x, std::uint32_t y) {  // in the picture
         const Vec3f d = sphere_from_square({(static_cast<float>(x) + 0.5f) / static_cast<float>(side * kPlaces),
                                             (static_cast<float>(y) + 0.5f) / static_cast<float>(side * kPlaces)});
         const double phi = std::atan2(static_cast<double>(d.y), static_cast<double>(d.x)) / (2 * std::numbers::pi);

@@ -15,7 +15,7 @@ namespace latent::render {
 struct GltfNodePose {
     std::optional<std::array<double, 3>> translation{}, scale{};
     std::optional<std::array<double, 4>> rotation{};  // x y z w, of about unit length
-    std::optional<std::vector<double>> weights{};     // of morph targets
+    std::optional<std::vector<double>> weights{};     // those of morph targets
 
     bool is_placed() const { return translation || rotation || scale; }
 };

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kHeader = 12, kChunkHeader = 8;
 constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;  // types of chunks
-constexpr std::size_t kMaxDepth = 64;                              // of JSON; the format needs about 10
+constexpr std::size_t kMaxDepth = 64;                              // levels of JSON; the format needs about 10
 
 std::uint32_t u32(std::string_view bytes, std::size_t at) {
     return load_le<std::uint32_t>(reinterpret_cast<const std::byte*>(bytes.data() + at));
@@ -259,7 +259,7 @@ std::vector<bool> GltfDocument::find_used_buffers() const {
 }
 
 void GltfDocument::unpack_views() {
-    constexpr std::uint64_t kMaxRatio = 256, kFree = std::uint64_t{16} << 20;  // of all that is unpacked to all that was packed
+    constexpr std::uint64_t kMaxRatio = 256, kFree = std::uint64_t{16} << 20;  // what is unpacked in all, over what was packed
     const GltfValue views = root()["bufferViews"], buffers = root()["buffers"];
     views_.resize(views.size());
     std::uint64_t unpacked = 0, compressed = 0;

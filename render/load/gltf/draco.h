@@ -13,8 +13,8 @@ namespace latent::render {
 struct DracoMesh {
     struct Attribute {
         std::size_t components = 0;
-        std::vector<float> values{};  // of one vertex after another; integers as they are
-        float largest = 1;            // of its integers: the end of their range
+        std::vector<float> values{};  // vertex after vertex; integers as they are
+        float largest = 1;            // the end of the range of its integers
     };
     std::size_t vertices = 0;
     std::vector<std::uint32_t> indices{};             // three per triangle

@@ -17,7 +17,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::uint64_t kMaxVertices = 1 << 30;  // of all primitives: a small file can name large ones many times
+constexpr std::uint64_t kMaxVertices = 1 << 30;  // in all primitives: a small file can name large ones many times
 
 Affined rotation(const std::array<double, 4>& q) {  // x y z w, of unit length
     const double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -577,11 +577,11 @@ class GltfLoader {
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
     std::size_t animation_ = 0;                            // the one that is shown
-    std::vector<GltfNodePose> poses_;                      // of each node, at the moment that is shown, or the shutter opens
+    std::vector<GltfNodePose> poses_;                      // each node's, at the moment that is shown, or the shutter opens
     std::vector<GltfNodePose> last_poses_;                 // where it closes; empty: it shows a moment
-    std::vector<std::optional<Affined>> world_from_node_;  // of those in trees
+    std::vector<std::optional<Affined>> world_from_node_;  // for nodes in trees
     std::vector<Placement> placements_;
-    std::vector<PlacedCamera> cameras_;  // of the scene
+    std::vector<PlacedCamera> cameras_;  // those of the scene
     std::uint64_t vertices_ = 0;
 };
 

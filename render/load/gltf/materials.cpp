@@ -124,7 +124,7 @@ double read_specular_color(const GltfValue& picture, const LinearRgb& rgb, GltfT
 
 // What of a material its two models say each in its own way.
 struct Body {
-    GltfValue picture;  // of its colour and alpha
+    GltfValue picture;  // its colour and alpha
     std::array<double, 4> factor;
     double roughness, metallic;
 };
@@ -210,7 +210,7 @@ void read_second(const GltfValue& material, const Body& body, const ModelColors&
         out.second_share = textures.product(whole, textures.between(1, 0, metallic));
         if (!whole.is_textured() && whole.value == 1) metallic = 1;
     } else if (metallic.value > 0 && !out.second_share.is_textured()) {
-        metallic.value /= 1 - out.second_share.value;  // of what light does not pass
+        metallic.value /= 1 - out.second_share.value;  // as a share of the light that does not pass
     }
 }
 

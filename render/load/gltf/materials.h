@@ -20,11 +20,11 @@ struct VertexNeeds {
 struct GltfMaterial {
     MaterialDescription surface{};
     std::optional<MaterialDescription> second{};  // what the surface is in part: glass, or what light passes diffusely
-    FloatInput second_share{};                    // of the surface
+    FloatInput second_share{};                    // share of the surface that the second material has
     std::optional<AreaLightDescription> emission{};
-    double radiance = 0;                        // of its emission: the largest component
+    double radiance = 0;                        // the largest component of its emission
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
-    FloatInput alpha = 1;                       // of its shapes
+    FloatInput alpha = 1;                       // for its shapes
     VertexNeeds needs{};
 };
 

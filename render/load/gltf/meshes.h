@@ -19,8 +19,8 @@ struct GltfPrimitive {
 
 // How a mesh is bent: by its morph targets, then by the joints of a skin.
 struct GltfPose {
-    std::vector<double> weights{};  // of the targets; those that are missing are 0
-    std::vector<Affined> joints{};  // of a skin: from the space of the mesh to the world; empty: none
+    std::vector<double> weights{};  // one for each target; those that are missing are 0
+    std::vector<Affined> joints{};  // a skin's, from the space of the mesh to the world; empty: none
 };
 
 // What a mesh needs to know about materials.

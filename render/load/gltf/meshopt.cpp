@@ -333,7 +333,7 @@ void from_luma(std::byte* item) {
         return value < kSize / 2 ? value : value - kSize;
     };
     const unsigned alpha = component<T>(item, 3);
-    const auto all = static_cast<int>(std::bit_floor(alpha) * 2) - 1;  // of K bits
+    const auto all = static_cast<int>(std::bit_floor(alpha) * 2) - 1;  // the largest number of K bits
     if (all <= 0) return;
     const int y = component<T>(item, 0), co = difference(1), cg = difference(2);
     const int a = static_cast<int>(alpha) & (all >> 1);

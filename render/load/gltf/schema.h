@@ -20,7 +20,7 @@ struct GltfMember {
         kNumbers,  // an array of `size` numbers
         kCounts,   // an array of indices
         kTexts,
-        kObject,   // of `type`
+        kObject,   // with the members of `type`
         kObjects,  // an array of them
     };
     std::string_view name;

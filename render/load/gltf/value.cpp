@@ -44,7 +44,7 @@ double GltfValue::number(double fallback, double low, double high) const {
 }
 
 void GltfValue::clamp(std::span<double> values, double low, double high, std::string_view advice) const {
-    const double rounding = 1e-6 * std::max(std::abs(low), high < kNoLimit ? high : 0);  // of exporters that count in float
+    const double rounding = 1e-6 * std::max(std::abs(low), high < kNoLimit ? high : 0);  // for exporters that count in float
     const auto wrong = std::ranges::find_if(values, [&](double x) { return x < low - rounding || x > high + rounding; });
     if (wrong != values.end()) {
         const std::string range = high < kNoLimit ? fmt::format("from {} to {}", low, high)

@@ -28,8 +28,8 @@ class GltfValue {
     bool is_flag() const { return exists() && json_->is_boolean(); }
     bool is_number() const { return exists() && json_->is_number(); }
     bool is_count() const;                             // a non-negative integer below 2^53
-    GltfValue operator[](std::string_view key) const;  // of an object; null is not there
-    GltfValue operator[](std::size_t i) const;         // of an array
+    GltfValue operator[](std::string_view key) const;  // a member of an object; null is not there
+    GltfValue operator[](std::size_t i) const;         // an element of an array
     std::size_t size() const { return json_ != nullptr && json_->is_array() ? json_->size() : 0; }
     std::vector<std::string> keys() const;
     // A member of the member "extensions".

@@ -12,14 +12,14 @@ namespace latent::render {
 namespace {
 
 constexpr std::uint32_t kNobody = 0xFFFFFFFF;
-constexpr double kMaxTriangles = 1 << 24;  // of some 400 bytes each while they are made
+constexpr double kMaxTriangles = 1 << 24;  // each takes some 400 bytes while they are made
 
 using Triangles = std::vector<std::uint32_t>;  // 3 indices each
 
 // The vertices opposite to an edge, from a < b.
 struct Edge {
     std::uint32_t a, b;
-    std::uint32_t opposite[2] = {kNobody, kNobody};  // of the triangle that goes from a to b, and of the one from b to a
+    std::uint32_t opposite[2] = {kNobody, kNobody};  // in the triangle that goes from a to b, and in the one from b to a
 
     bool is_boundary() const { return opposite[0] == kNobody || opposite[1] == kNobody; }
 };

@@ -139,7 +139,7 @@ std::vector<std::string_view> words(std::string_view line) {
     return out;
 }
 
-std::string_view shortened(std::string_view word) { return word.substr(0, 40); }  // of a file that may hold anything
+std::string_view shortened(std::string_view word) { return word.substr(0, 40); }  // the file may hold anything
 
 Result<Header> parse_header(std::string_view name, std::string_view bytes) {
     Header header;

@@ -17,7 +17,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr long kMaxSide = 1 << 24;  // of films, in pixels
+constexpr long kMaxSide = 1 << 24;  // along a side of a film, in pixels
 
 // The vertices of the world, and the corners of boxes about instances, while they move.
 std::vector<Vec3d> points_of(const Model& model) {

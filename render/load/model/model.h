@@ -14,16 +14,16 @@ namespace latent::render {
 
 struct Model {
     SceneDescription scene{};                         // without shapes
-    std::vector<LoadedShape> shapes{};                // of the world
-    std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
-    std::vector<double> radiances{};                  // of each of scene.area_lights, of glTF and OBJ: the largest component
-    std::vector<std::string> cameras{};               // of all in the scene: number and name
+    std::vector<LoadedShape> shapes{};                // those of the world
+    std::vector<std::vector<LoadedShape>> objects{};  // those of each of scene.objects
+    std::vector<double> radiances{};                  // the largest component of each of scene.area_lights, for glTF and OBJ
+    std::vector<std::string> cameras{};               // number and name of all in the scene
     std::vector<std::string> variants{};              // names
     std::vector<std::string> animations{};            // number, name and length
     // The one that was asked for.
     bool has_camera = false, has_idle_cameras = false, has_variant = false, has_animation = false;
     bool is_object = false;            // it could have cameras, and has none: no scene, but a thing to be shown
-    double sky_scale = 1;              // of a picture of the sky, so that it is in the unit of the lamps
+    double sky_scale = 1;              // factor for a picture of the sky, so that it is in the unit of the lamps
     bool has_integrator = false;       // the scene says which, and how deep
     std::vector<std::string> notes{};  // what was read in another way than it stands there
     std::vector<File> embedded{};      // pictures in the model's own file

@@ -19,10 +19,10 @@ struct ModelOptions {
     std::optional<double> time{};                    // [s] of the animation; nothing: the model rests, unless `animation` is said
     std::optional<std::array<double, 2>> shutter{};  // opens and closes so many seconds after that; nothing: at once
     ModelView view = ModelView::kThreeQuarter;
-    bool is_z_up = false;               // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z
+    bool is_z_up = false;               // for models without a camera: up is +z, and the front -y; else up is +y, and the front +z
     bool stage = true;                  // a model without camera and lights stands on a ground
-    std::optional<double> aspect{};     // of the picture of a model without a camera: width over height; nothing: 16:9
-    double lens_radius = 0, focus = 0;  // of the camera, in the model's units; 0: not said
+    std::optional<double> aspect{};     // width over height of the picture of a model without a camera; nothing: 16:9
+    double lens_radius = 0, focus = 0;  // the camera's, in the model's units; 0: not said
     std::filesystem::path sky{};        // a picture of the sky; empty: none
 
     bool operator==(const ModelOptions&) const = default;

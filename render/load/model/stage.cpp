@@ -12,11 +12,11 @@ namespace latent::render {
 
 namespace {
 
-constexpr double kHalfHeight = 0.36397;  // of the window: tan 20 degrees
-constexpr double kShare = 0.8;           // of the picture that the model takes
+constexpr double kHalfHeight = 0.36397;  // half the height of the window: tan 20 degrees
+constexpr double kShare = 0.8;           // the part of the picture that the model takes
 
-constexpr float kBackground = 0.4f;   // of the sky where cameras of the stage look at it
-constexpr std::uint32_t kSide = 512;  // of its picture; 0.4 degrees: no step is seen
+constexpr float kBackground = 0.4f;   // radiance of the sky where cameras of the stage look at it
+constexpr std::uint32_t kSide = 512;  // pixels along a side of its picture; 0.4 degrees: no step is seen
 
 // A rectangle of light around a direction, in the plane at distance 1 that it stands on. Its outer fifth fades.
 class SoftBox {

@@ -11,10 +11,10 @@
 namespace latent::render {
 
 struct MtlMap {
-    TextureDescription texture{};                    // of kind kImage
+    TextureDescription texture{};                    // its kind is kImage
     PictureChannel channel = PictureChannel::kMean;  // -imfchan: of a number
     double strength = 1;                             // -bm: of a bump or normal map
-    AlphaUse alpha = AlphaUse::kUnused;              // of the picture
+    AlphaUse alpha = AlphaUse::kUnused;              // what its alpha is used for
 };
 
 // "map_Kd -s 2 2 1 -clamp on wood 1.png". The file is looked for in the folder of the MTL file, in that of the OBJ file, and in

@@ -16,8 +16,8 @@ namespace latent::render {
 struct MtlMaterial {
     MaterialDescription surface{};
     std::optional<AreaLightDescription> emission{};
-    double radiance = 0;   // of its emission: the largest component
-    FloatInput alpha = 1;  // of its shapes
+    double radiance = 0;   // the largest component of its emission
+    FloatInput alpha = 1;  // for its shapes
 };
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 

@@ -21,7 +21,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::size_t kMaxErrors = 20;  // of one file: after these it is given up
+constexpr std::size_t kMaxErrors = 20;  // after these a file is given up
 
 // What "v", "vt" and "vn" say, in the whole file.
 struct Vertices {
@@ -51,7 +51,7 @@ struct PartKey {
 };
 struct PartMesh {
     LoadedMesh mesh{};
-    std::vector<std::uint32_t> v{};  // of each vertex of the mesh: which position it has
+    std::vector<std::uint32_t> v{};  // which position each vertex of the mesh has
     std::unordered_map<Corner, std::uint32_t, CornerHash> vertices{};
 };
 
@@ -113,7 +113,7 @@ class ObjReader {
 
     Model read() {
         const std::size_t before = diagnostics_.errors().size();
-        if (before > 0) return {};  // of vertices
+        if (before > 0) return {};  // errors in vertices
         while (statements_.next() && diagnostics_.errors().size() < before + kMaxErrors) read_statement();
         for (const auto& [what, count] : ignored_) tell_of_ignored(what, count);
         for (const PartKey& key : order_) {
@@ -344,7 +344,7 @@ class ObjReader {
         std::uint32_t area_light = kNone;
         FloatInput alpha = 1;
     };
-    std::vector<Carried> carried_;  // of each of these, by its shapes
+    std::vector<Carried> carried_;  // what the shapes of each of these carry
     std::uint32_t material_ = 0, smooth_ = 0;
     std::map<PartKey, PartMesh> parts_;
     std::vector<PartKey> order_;  // as they were met

@@ -9,7 +9,7 @@ namespace latent::render {
 namespace {
 
 using Point = Vec2<double>;
-constexpr std::size_t kMaxTests = 2'000'000'000;  // of corners in triangles: some seconds
+constexpr std::size_t kMaxTests = 2'000'000'000;  // tests of corners in triangles: some seconds
 
 // Twice the signed area of a triangle in the plane.
 double area(const Point& a, const Point& b, const Point& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }

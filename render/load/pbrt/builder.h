@@ -95,13 +95,13 @@ class SceneBuilder {
         std::array<std::uint32_t, 2> mixed;
     };
     std::vector<Mixture> mixtures_;
-    std::vector<LoadedShape> shapes_;                      // of the world
-    std::vector<std::vector<LoadedShape>> object_shapes_;  // of each object
+    std::vector<LoadedShape> shapes_;                      // those of the world
+    std::vector<std::vector<LoadedShape>> object_shapes_;  // those of each object
     struct MaterialUse {
         bool is_interface = false;
         std::uint32_t inside = kNone;  // medium of whatever is made of it
     };
-    std::vector<MaterialUse> uses_;                                        // of each material
+    std::vector<MaterialUse> uses_;                                        // how each material is used
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
     bool is_incomplete_ = false;                                           // something could not be read

@@ -25,7 +25,7 @@ struct Directive {
     std::string name{};
     SourceLocation where{};
     std::vector<std::string> strings{};  // quoted arguments before the parameters: "perspective"
-    std::vector<double> numbers{};       // of transformations
+    std::vector<double> numbers{};       // for transformations
     std::vector<Parameter> parameters{};
 };
 

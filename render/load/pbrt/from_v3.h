@@ -51,8 +51,8 @@ class FromPbrtV3 {
     Diagnostics& diagnostics_;
     std::map<std::pair<std::string, std::string>, Known> names_;  // by kind and name
     int kept_transforms_ = 0;                                     // by TransformBegin
-    std::optional<double> opacity_;                               // of the current material
-    std::vector<std::optional<double>> opacities_;                // of those that end with a block
+    std::optional<double> opacity_;                               // the current material's
+    std::vector<std::optional<double>> opacities_;                // those that come back when a block ends
 };
 
 }  // namespace latent::render

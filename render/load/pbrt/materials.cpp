@@ -264,7 +264,7 @@ Part passing() {
         const auto color = r.textures.find_spectrum(r.list, "diffusetransmissioncolor", SpectrumRole::kReflectance);
         if (is_clear && is_matt) r.list.error("transmission and diffusetransmission cannot be combined");
         r.whole.second_share = is_clear ? clear : matt;
-        if (metallic.value > 0) metallic.value /= 1 - r.whole.second_share.value;  // of what light does not pass
+        if (metallic.value > 0) metallic.value /= 1 - r.whole.second_share.value;  // as a share of the light that does not pass
         if (is_clear) {
             MaterialDescription glass{.type = is_thin ? "thindielectric" : "dielectric", .location = r.material.location};
             const SpectrumInput& base = r.material.spectra.at("base_color");

@@ -15,7 +15,7 @@ namespace latent::render {
 
 // A name that something uses, and nothing defines.
 struct UndefinedName {
-    SourceLocation where{};  // of its first use
+    SourceLocation where{};  // where it is used first
     std::string name{};      // `material "gold"`
     std::string hint{};      // "; what might be meant", or nothing
 };

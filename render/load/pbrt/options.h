@@ -43,7 +43,7 @@ class SceneOptions {
     const PbrtUse use_;
     bool has_integrator_ = false;
     std::optional<CameraDirective> camera_;
-    double start_time_ = 0, end_time_ = 1;  // of motions
+    double start_time_ = 0, end_time_ = 1;  // when motions begin and end
 };
 
 }  // namespace latent::render

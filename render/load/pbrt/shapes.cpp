@@ -15,7 +15,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::uint32_t kCorners[] = {0, 1, 3, 2};  // of a patch p00 p10 p01 p11, around it
+constexpr std::uint32_t kCorners[] = {0, 1, 3, 2};  // around a patch p00 p10 p01 p11
 
 // Indices of a Shape directive; a mesh of one face may leave them out. Empty if an error was reported.
 std::vector<std::uint32_t> read_indices(const ParameterList& list, std::size_t per_face, std::size_t vertices) {

@@ -41,7 +41,7 @@ class SceneTextures {
     std::uint32_t normal_map(const ParameterList& list);  // the parameter "normalmap"; kNone if it is missing
     // A picture over the uv of a shape, of any magnitude.
     std::uint32_t emission(const ParameterList& list, const std::string& file);
-    std::optional<std::uint32_t> find_texture(const ParameterList& list, std::string_view name);  // of numbers
+    std::optional<std::uint32_t> find_texture(const ParameterList& list, std::string_view name);  // a texture of numbers
 
     // After the last directive: reads the textures that were used, and what they use. Adds those that are not defined.
     void finish(std::vector<UndefinedName>& undefined);
@@ -73,7 +73,7 @@ class SceneTextures {
     Diagnostics& diagnostics_;
     std::map<std::pair<bool, std::string>, Definition> definitions_;             // by is_spectrum and name
     std::map<std::tuple<bool, SpectrumRole, std::string>, std::uint32_t> used_;  // index into SceneDescription::textures
-    std::deque<Use> uses_;                                                       // of each of these
+    std::deque<Use> uses_;                                                       // how each of these is used
 };
 
 }  // namespace latent::render

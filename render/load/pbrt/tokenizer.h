@@ -43,7 +43,7 @@ class Tokenizer {
     std::size_t at_ = 0;
     SourceLocation here_;
     std::optional<Token> pending_;
-    std::string decoded_;  // of the last string with escapes
+    std::string decoded_;  // the last string with escapes
 };
 
 // A decimal number, sign and exponent allowed; nothing for anything else, infinities and NaN included.

@@ -14,7 +14,7 @@ namespace latent::render {
 namespace {
 
 constexpr std::uint32_t kVersion = 32;
-constexpr std::uint64_t kMaxBricks = std::uint64_t{1} << 25;  // of the index over the box: 128 MiB
+constexpr std::uint64_t kMaxBricks = std::uint64_t{1} << 25;  // bricks of the index over the box: 128 MiB
 
 Error corrupt(const std::string& what) { return {ErrorCode::kCorrupt, "NanoVDB: " + what}; }
 Error truncated() { return {ErrorCode::kTruncated, "NanoVDB: the file is truncated"}; }

@@ -16,7 +16,7 @@ namespace latent::render {
 struct SubpathVertex {
     SampledSpectrum beta;  // what arrives here: of importance, or of light
     Interaction at;
-    Vec3f normal;                // of the surface, the light or the lens; 0: none
+    Vec3f normal;                // normal of the surface, the light or the lens; 0: none
     Vec3f wo;                    // to the previous vertex
     Scattering scattering;       // not of the first vertex
     float pdf_forward = 0;       // density from this side

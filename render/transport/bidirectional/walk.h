@@ -17,7 +17,7 @@ struct Step {
     bool delta = false;      // d comes from a delta function, whatever else the vertex does
     bool scattered = false;  // some vertex before was left in another way
     SampledSpectrum beta;
-    SampledSpectrum throughput{1.0f};  // of the subpath, which decides whether it goes on
+    SampledSpectrum throughput{1.0f};  // the subpath's, which decides whether it goes on
 };
 
 class SubpathWalk : public SubpathSample {
