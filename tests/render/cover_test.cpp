@@ -63,16 +63,29 @@ class Cover : public ::testing::Test {
     Folder folder_;
 };
 
-// Each wall emits its reflectance r and reflects r of what comes: L = r + r L.
-TEST_F(Cover, AClosedRoomIsAFurnace) {
+TEST_F(Cover, AFarBoxShinesInItsOwnColour) {
     for (const double reflectance : {0.2, 0.5}) {
-        const LoadedScene scene = load({{.half = 3, .reflectance = reflectance}});
-        EXPECT_THAT(scene.added, ::testing::ElementsAre(HasSubstr("has no light, and no sky reaches the camera")));
-        EXPECT_TRUE(scene.description.lights.empty());
-        const testing::Mean mean = testing::mean_of_picture({scene.description}, {.max_depth = kUnlimited, .seed = 1}, 20000);
-        EXPECT_LT(mean.error[1], 0.01);
-        EXPECT_NEAR(mean.xyz[1], reflectance / (1 - reflectance), 4.5 * mean.error[1]);
+        LoadedScene scene = load({{.half = 30, .reflectance = reflectance}, {.half = 2, .at = {0, 0, 4}}});
+        EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space; the far surfaces around it shine")));
+        EXPECT_EQ(scene.description.lights.size(), 1u);
+        scene.description.max_depth = 0;  // the camera looks away from the cube
+        const testing::Mean mean = testing::mean_of_picture({scene.description}, {.max_depth = 0, .seed = 1}, 2000);
+        EXPECT_NEAR(mean.xyz[1], reflectance, 0.002 + 4.5 * mean.error[1]);
+        EXPECT_LT(mean.error[1], 0.002);
     }
+}
+
+// A matt wall at the distance that the lamp is made for has the radiance of a white one times its reflectance.
+TEST_F(Cover, ARoomGetsALampAtTheCamera) {
+    const LoadedScene scene = load({{.half = 3}});
+    EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space; a lamp is added there")));
+    EXPECT_EQ(shining(scene), std::vector<bool>{false});
+    ASSERT_EQ(scene.description.lights.size(), 2u);
+    const LightDescription& lamp = scene.description.lights.back();
+    EXPECT_EQ(lamp.kind, LightKind::kPoint);
+    EXPECT_EQ(lamp.from, scene.description.camera.world_from_camera.t);
+    EXPECT_GT(lamp.scale, std::numbers::pi * 9);      // the middle of a wall
+    EXPECT_LT(lamp.scale, std::numbers::pi * 9 * 3);  // a corner
 }
 
 TEST_F(Cover, OneOpenSideLetsTheSkyIn) {
@@ -82,24 +95,38 @@ TEST_F(Cover, OneOpenSideLetsTheSkyIn) {
     EXPECT_EQ(scene.description.lights.size(), 1u);
 }
 
-// The box that shows the sky, but not what stands in it; a room in a house, if the camera sees nothing else.
-TEST_F(Cover, TheOutermostThatIsSeenShines) {
-    EXPECT_EQ(shining(load({{.half = 9}, {.half = 1, .at = {3, 0, 0}}})), (std::vector{true, false}));
-    EXPECT_EQ(shining(load({{.half = 9}, {.half = 1}})), (std::vector{false, true}));
-    EXPECT_EQ(shining(load({{.half = 1, .at = {3, 0, 0}}})), std::vector{false});
+// The sky, but not what stands under it; a room in a house is none, whatever lies about the house.
+TEST_F(Cover, OnlyAFarBoxThatIsSeenIsASky) {
+    EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 4}}})), (std::vector{true, false}));
+    EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 14}}})), (std::vector{false, false}));
+    EXPECT_EQ(shining(load({{.half = 90}, {.half = 1}})), (std::vector{false, false}));
+    EXPECT_EQ(load({{.half = 1, .at = {3, 0, 0}}}).description.lights.size(), 1u);
+}
+
+TEST_F(Cover, WhatLetsLightPassClosesNothing) {
+    GltfFile file = cubes({{.half = 3}}, kClosed);
+    file.json["materials"][0]["alphaMode"] = "BLEND";
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.5;
+    EXPECT_EQ(load_all(file).description.lights.size(), 1u);
+    file = cubes({{.half = 3}}, kClosed);
+    file.json["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+    EXPECT_EQ(load_all(file).description.lights.size(), 1u);
+}
+
+TEST_F(Cover, InstancesCloseARoom) {
+    GltfFile file = cubes({{.half = 3}, {.half = 1, .at = {50, 0, 0}}}, kClosed);
+    EXPECT_EQ(load_all(file).description.lights.size(), 2u);
+    file.json["nodes"][2]["mesh"] = 0;
+    EXPECT_EQ(load_all(file).description.instances.size(), 2u);
+    EXPECT_EQ(load_all(file).description.lights.size(), 2u);
 }
 
 TEST_F(Cover, WhatEmitsByItselfStaysAsItIs) {
-    GltfFile file = cubes({{.half = 3}}, kClosed);
+    GltfFile file = cubes({{.half = 30}, {.half = 2, .at = {0, 0, 4}}}, kClosed);
     file.json["materials"][0]["emissiveFactor"] = {0.25, 0.25, 0.25};
     const LoadedScene scene = load_all(file);
     ASSERT_EQ(scene.description.area_lights.size(), 1u);
     EXPECT_EQ(scene.description.area_lights[0].picture, kNone);
-}
-
-TEST_F(Cover, ASkyOfOnesOwnIsTakenInstead) {
-    testing::write_exr(folder_ / "sky.exr", 2, 1, std::vector<float>(6, 0.5f));
-    EXPECT_EQ(shining(load({{.half = 3}}, {.sky = folder_ / "sky.exr"})), std::vector{false});
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #include "render/load/model/cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <numbers>
 #include <set>
 
 #include "render/math/equal_area.h"
@@ -12,77 +13,111 @@ namespace latent::render {
 
 namespace {
 
-// The distance along d to a triangle, its edges included; infinite if it is missed.
-double distance_to(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& from, const Vec3d& d) {
-    constexpr double kMissed = std::numeric_limits<double>::infinity(), kEdge = -1e-9;
-    const Vec3d ab = b - a, ac = c - a, p = cross(d, ac), o = from - a, q = cross(o, ab);
-    const double determinant = dot(ab, p);
+constexpr double kMissed = std::numeric_limits<double>::infinity();
+constexpr double kFar = 5;  // times the distance of other things: the picture of a sky, no wall
+
+// The distance along d to a triangle, its edges included.
+double distance_to(const std::array<Vec3d, 3>& p, const Vec3d& from, const Vec3d& d) {
+    constexpr double kEdge = -1e-9;
+    const Vec3d ab = p[1] - p[0], ac = p[2] - p[0], o = from - p[0], x = cross(d, ac), y = cross(o, ab);
+    const double determinant = dot(ab, x);
     if (determinant == 0) return kMissed;
-    const double u = dot(o, p) / determinant, v = dot(d, q) / determinant, t = dot(ac, q) / determinant;
+    const double u = dot(o, x) / determinant, v = dot(d, y) / determinant, t = dot(ac, y) / determinant;
     return t > 0 && u >= kEdge && v >= kEdge && u + v <= 1 - kEdge ? t : kMissed;
 }
 
-// The shapes that a ray meets first and last, or kNone.
+bool is_clear(std::uint32_t material, const SceneDescription& scene) {
+    if (material == kNone) return true;
+    const MaterialDescription& m = scene.materials[material];
+    if (m.type == "mix") return is_clear(m.mixed[0], scene) || is_clear(m.mixed[1], scene);
+    return m.type == "dielectric" || m.type == "thindielectric";
+}
+
+bool is_opaque(const LoadedShape& loaded, const SceneDescription& scene) {
+    const ShapeDescription& shape = loaded.shape;
+    return loaded.mesh && shape.kind == ShapeKind::kTriangles && !shape.alpha.is_textured() && shape.alpha.value >= 1 &&
+           !is_clear(shape.material, scene);
+}
+
+// The first and the last opaque surface along a ray.
 struct Met {
-    std::uint32_t first = kNone, last = kNone;
+    double first_distance = kMissed, last_distance = 0;
+    std::uint32_t first = kNone, last = kNone;  // indices into Model::shapes; kNone: an instance
+
+    void add(const LoadedMesh& mesh, const Affined& to_world, std::uint32_t shape, const Vec3d& from, const Vec3d& d) {
+        for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
+            std::array<Vec3d, 3> p;
+            for (std::size_t c = 0; c < 3; ++c) p[c] = to_world.point(mesh.positions[mesh.indices[k + c]]);
+            const double t = distance_to(p, from, d);
+            if (t == kMissed) continue;
+            if (t < first_distance) {
+                first_distance = t;
+                first = shape;
+            }
+            if (t > last_distance) {
+                last_distance = t;
+                last = shape;
+            }
+        }
+    }
 };
-Met met_by(std::span<const LoadedShape> shapes, const Vec3d& from, const Vec3d& d) {
+
+Met met_by(const Model& model, const Vec3d& from, const Vec3d& d) {
     Met met;
-    double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
-    for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-        if (!shapes[i].mesh || shapes[i].shape.kind != ShapeKind::kTriangles) continue;
-        const std::vector<Vec3d>& p = shapes[i].mesh->positions;
-        const std::vector<std::uint32_t>& corners = shapes[i].mesh->indices;
-        for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
-            const double t = distance_to(p[corners[k]], p[corners[k + 1]], p[corners[k + 2]], from, d);
-            if (!std::isfinite(t)) continue;
-            if (t < nearest) {
-                nearest = t;
-                met.first = i;
-            }
-            if (t > farthest) {
-                farthest = t;
-                met.last = i;
-            }
+    for (std::uint32_t i = 0; i < model.shapes.size(); ++i) {
+        if (is_opaque(model.shapes[i], model.scene)) met.add(*model.shapes[i].mesh, {}, i, from, d);
+    }
+    for (const InstanceDescription& instance : model.scene.instances) {
+        for (const LoadedShape& shape : model.objects[instance.object]) {
+            if (is_opaque(shape, model.scene)) met.add(*shape.mesh, instance.world_from_object, kNone, from, d);
         }
     }
     return met;
 }
 
-SpectrumInput color_of(std::uint32_t index, const SceneDescription& scene) {
-    if (index == kNone) return color::Spectrum::constant(0.5);
-    const MaterialDescription& material = scene.materials[index];
-    if (material.type == "mix") return color_of(material.mixed[0], scene);
+double median(std::vector<double> x) {
+    const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+    std::ranges::nth_element(x, middle);
+    return *middle;
+}
+
+SpectrumInput color_of(std::uint32_t material, const SceneDescription& scene) {
+    const MaterialDescription& m = scene.materials[material];
+    if (m.type == "mix") return color_of(m.mixed[0], scene);
     for (const char* name : {"base_color", "reflectance"}) {
-        if (const auto found = material.spectra.find(name); found != material.spectra.end()) return found->second;
+        if (const auto found = m.spectra.find(name); found != m.spectra.end()) return found->second;
     }
     return color::Spectrum::constant(0.5);
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> covers_of_sky(std::span<const LoadedShape> shapes, const Vec3d& from, const Vec3d& up) {
+std::optional<Cover> cover_of_sky(const Model& model, const Vec3d& up) {
     constexpr int kSide = 24;
-    std::set<std::uint32_t> visible, outermost;
+    const Vec3d& from = model.scene.camera.world_from_camera.t;
+    std::vector<Met> seen;
+    std::set<std::uint32_t> outermost;
     for (int i = 0; i < kSide * kSide; ++i) {
         const auto middle = [](int cell) { return (static_cast<float>(cell) + 0.5f) / kSide; };
         const Vec3d d(sphere_from_square({middle(i % kSide), middle(i / kSide)}));
-        const Met met = met_by(shapes, from, d);
-        if (met.first == kNone) return {};
-        if (dot(d, up) <= 0) continue;
-        visible.insert(met.first);
-        outermost.insert(met.last);
+        seen.push_back(met_by(model, from, d));
+        if (seen.back().first_distance == kMissed) return std::nullopt;
+        if (dot(d, up) > 0 && seen.back().first != kNone && seen.back().first == seen.back().last)
+            outermost.insert(seen.back().last);
     }
-    std::vector<std::uint32_t> covers;
-    std::ranges::set_intersection(visible, outermost, std::back_inserter(covers));
-    if (covers.empty()) covers.assign(visible.begin(), visible.end());
-    return covers;
+    std::vector<double> near, far;
+    for (const Met& met : seen) (outermost.contains(met.first) ? far : near).push_back(met.first_distance);
+    Cover cover;
+    if (!near.empty() && !far.empty() && median(far) >= kFar * median(near)) cover.skies.assign(outermost.begin(), outermost.end());
+    near.insert(near.end(), far.begin(), far.end());
+    cover.distance = median(near);
+    return cover;
 }
 
-void let_shine(const std::vector<std::uint32_t>& covers, const color::Spectrum& white, Model& model) {
+void light_up(const Cover& cover, const color::Spectrum& white, Model& model) {
     SceneDescription& scene = model.scene;
-    for (const std::uint32_t cover : covers) {
-        ShapeDescription& shape = model.shapes[cover].shape;
+    for (const std::uint32_t i : cover.skies) {
+        ShapeDescription& shape = model.shapes[i].shape;
         if (shape.area_light != kNone) continue;
         TextureDescription color{.kind = TextureKind::kScale, .is_spectrum = true, .amount = 1};
         color.spectra[0] = color_of(shape.material, scene);
@@ -92,6 +127,12 @@ void let_shine(const std::vector<std::uint32_t>& covers, const color::Spectrum& 
         scene.textures.push_back(std::move(color));
         model.radiances.push_back(1);
     }
+    if (!cover.skies.empty()) return;
+    LightDescription lamp;
+    lamp.spectrum = white;
+    lamp.scale = std::numbers::pi * cover.distance * cover.distance;
+    lamp.from = scene.camera.world_from_camera.t;
+    scene.lights.push_back(std::move(lamp));
 }
 
 }  // namespace latent::render

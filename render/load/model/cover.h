@@ -1,21 +1,28 @@
-// render/load/model/cover.h: surfaces that hide a sky: the box that shows the sky of a game, the walls of a room without windows.
-// docs/models.md, "What a model lacks".
+// render/load/model/cover.h: light for a camera in a closed space: in the box that shows the sky of a game, in a room without
+// windows. docs/models.md, "What a model lacks".
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "render/load/model/model.h"
 
 namespace latent::render {
 
-// What a camera at `from` sees above its horizon, in ascending order, if it meets a surface in each of 576 directions that are
-// spread evenly over the sphere; else nothing. Of shapes that are also the outermost in a direction, where there are any, these
-// alone: the box around a city, but not its houses. Instances are left out, as they cannot emit.
-std::vector<std::uint32_t> covers_of_sky(std::span<const LoadedShape> shapes, const Vec3d& from, const Vec3d& up);
+struct Cover {
+    // What shows a sky: the outermost shapes that the camera sees above its horizon, if they are at least five times as far as what
+    // else it sees. In ascending order, without instances, which cannot emit.
+    std::vector<std::uint32_t> skies{};
+    double distance = 0;  // median, to all that it sees
+};
 
-// Both sides of those that do not emit by themselves emit the radiance of `white` times the colour of their material.
-void let_shine(const std::vector<std::uint32_t>& covers, const color::Spectrum& white, Model& model);
+// What hides the sky from the camera: nothing unless a ray in each of 576 directions, spread evenly over the sphere, hits something
+// opaque. `up`: unit.
+std::optional<Cover> cover_of_sky(const Model& model, const Vec3d& up);
+
+// Both sides of the skies emit the radiance of `white` times the colour of their material, unless they emit by themselves. If there
+// are none, a lamp at the camera gives matt surfaces at the distance the radiance of `white` times their reflectance.
+void light_up(const Cover& cover, const color::Spectrum& white, Model& model);
 
 }  // namespace latent::render

@@ -98,11 +98,6 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
         model.scene.camera = framing(points, film, options);
     }
     if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
-    const char* const why = has_light                                  ? "is an object with lights of its own"
-                            : std::ranges::any_of(model.shapes, glows) ? "has no light but surfaces of radiance 1 or less"
-                                                                       : "has no light";
-    std::vector<std::uint32_t> covers;
-    if (!has_light) covers = covers_of_sky(model.shapes, model.scene.camera.world_from_camera.t, world_from_stage(options).y);
     if (!options.sky.empty()) {
         Result<LightDescription> sky = sky_of(options.sky, white, options);
         if (!sky) return sky.error();
@@ -111,11 +106,10 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
             notes.emplace_back(
                 fmt::format("has lamps in lumens, as Blender writes them: the sky is multiplied by {:.0f}", model.sky_scale));
         model.scene.lights.push_back(std::move(*sky));
-    } else if (!covers.empty()) {
-        notes.emplace_back(
-            fmt::format("{}, and no sky reaches the camera; the surfaces that hide it shine in their own colours", why));
-        let_shine(covers, white, model);
     } else if (!has_light || is_shown) {
+        const char* const why = has_light                                  ? "is an object with lights of its own"
+                                : std::ranges::any_of(model.shapes, glows) ? "has no light but surfaces of radiance 1 or less"
+                                                                           : "has no light";
         const bool has_ground = options.stage && !model.has_camera && !box.is_empty();
         notes.emplace_back(fmt::format("{}; a soft sky with a key light{} added{}", why, has_ground ? " and a ground are" : " is",
                                        has_light ? " (--no-stage leaves it without)" : ""));
@@ -125,6 +119,11 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
         if (has_ground) model.shapes.push_back(studio_ground(box, options, model.scene));
     } else if (additions.empty()) {
         notes.emplace_back("is lit by its own lights alone; --sky FILE adds a sky");
+    }
+    if (const std::optional<Cover> cover = has_light ? std::nullopt : cover_of_sky(model, world_from_stage(options).y)) {
+        notes.emplace_back(cover->skies.empty() ? "has its camera in a closed space; a lamp is added there"
+                                                : "has its camera in a closed space; the far surfaces around it shine");
+        light_up(*cover, white, model);
     }
     return notes;
 }
