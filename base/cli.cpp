@@ -40,7 +40,7 @@ bool failure_was_said = false;
 // Names only options that the command has: `parse` sees which.
 const char* no_memory_advice = " (try fewer --threads)";
 
-// When memory runs out, several threads may meet that at once: the first of them speaks, the others wait for the end.
+// When memory runs out, several threads may fail at once: the first of them reports it, the others wait for the end.
 std::atomic<pthread_t> ending{};
 
 void wait_if_another_ends() {
@@ -77,7 +77,7 @@ void say_exception(const std::exception_ptr& exception) {
     [[maybe_unused]] const ssize_t said = ::write(STDERR_FILENO, line, std::strlen(line));
 }
 
-// For std::terminate: nobody catches this exception, or none can be caught where it was thrown.
+// For std::terminate: no handler catches this exception, or none can be caught where it was thrown.
 [[noreturn]] void end_with_exception() {
     if (!begin_to_end()) ::_exit(kFailed);
     reserve.reset();
@@ -169,7 +169,7 @@ std::string missing_command(const CLI::App& app, const std::vector<std::string>&
                        near.empty() ? "choose from " + list : fmt::format("did you mean {}?", near));
 }
 
-// What to say about an argument that nobody knows: "unknown argument --preveiw (did you mean --preview?)".
+// What to say about an unknown argument: "unknown argument --preveiw (did you mean --preview?)".
 std::string unknown_argument(const CLI::App& app, const std::string& argument) {
     std::vector<std::string> names;
     const auto add_names = [&names](const CLI::App* command) {

@@ -46,7 +46,7 @@ File::~File() {
     if (fd_ >= 0) ::close(fd_);
 }
 
-// Inputs are regular files. O_NONBLOCK means nothing to these; a pipe to which nobody writes would be waited for without it.
+// Inputs are regular files. O_NONBLOCK means nothing to these; a pipe without a writer would be waited for without it.
 Result<File> File::open_read(const std::filesystem::path& path) {
     if (path.empty()) return Error{ErrorCode::kNotFound, "empty file name"};
     const Error irregular{ErrorCode::kForeign, path.string() + ": not a regular file"};

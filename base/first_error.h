@@ -1,4 +1,4 @@
-// base/first_error.h: of the errors that many threads meet, the first.
+// base/first_error.h: the first of the errors in many threads.
 #pragma once
 
 #include <atomic>

@@ -10,7 +10,7 @@ namespace latent {
 // abandoned. On file systems without locks nothing can.
 std::filesystem::path hidden_name(const std::filesystem::path& path);
 
-// Locks what the open descriptor is, until that is closed. False if somebody else holds the lock; true on file systems without.
+// Locks what the open descriptor is, until that is closed. False if another process holds the lock; true on file systems without.
 // What has a name already when it is locked may have been taken for abandoned before: then it is no longer named, make another.
 bool lock_hidden(int fd);
 

@@ -11,7 +11,7 @@ namespace latent {
 // lower.
 std::uint64_t usable_memory();
 
-// Bytes that a tool may take if nobody says how many: 1 GiB, but at most half of what is usable, for there is more beside its
+// Bytes that a tool may take unless a number is given: 1 GiB, but at most half of what is usable, for there is more beside its
 // buffers.
 std::uint64_t default_memory(std::uint64_t usable = usable_memory());
 

@@ -7,7 +7,7 @@
 
 namespace latent {
 
-// Without case, blanks, '-' and '_', which nobody remembers: "Canon EOS-5D" and "canon_eos_5d" are the same name.
+// Without case, blanks, '-' and '_', which people mix up: "Canon EOS-5D" and "canon_eos_5d" are the same name.
 std::string folded_name(std::string_view name);
 
 // Those of `names` that are near to `name`, nearest first, at most five: "canon_eos_5d, canon_eos_5ds". A name is near if it

@@ -65,7 +65,7 @@ TemporaryPath::~TemporaryPath() {
     registry().paths.erase(path_);
 }
 
-// The lock is never returned. Should its owner have been ended by an exception, nobody returns it: then it is done without.
+// The lock is never returned. Should its owner have been ended by an exception, it stays taken: then there is no lock.
 void remove_temporaries() {
     constexpr int kTries = 100;
     for (int i = 0; i < kTries && !registry().mutex.try_lock(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));

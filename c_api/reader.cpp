@@ -41,7 +41,7 @@ struct latent_reader {
         job.extra = extra.empty() ? nullptr : extra.data(), job.extra_count = extra.size();
     }
 
-    // Read when somebody asks.
+    // Read on demand.
     const Result<c::Origin>& origin() const {
         const std::lock_guard lock(mutex);
         if (!its_origin) its_origin = c::origin_of(*run_set);

@@ -1,4 +1,4 @@
-// render/bsdf/bsdf.h: what a surface does to light where a path meets it: a closure in the frame of the shading normal.
+// render/bsdf/bsdf.h: what a surface does to light where a path hits it: a closure in the frame of the shading normal.
 // docs/rendering.md, "Surfaces".
 #pragma once
 

@@ -29,7 +29,7 @@ class Dielectric {
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
     // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes. What is refracted is
     // multiplied by `transmittance`, and what is reflected by `tint`, if there is one. A `film` lies on the front side, in air; it
-    // is evaluated at `wavelengths`. With `multiscatter`, light that meets several facets is there, too (LostInGlass), unless there
+    // is evaluated at `wavelengths`. With `multiscatter`, light that hits several facets is there, too (LostInGlass), unless there
     // is a film.
     Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y,
                const SampledSpectrum* transmittance = nullptr, const ThinFilm& film = {}, const Wavelengths* wavelengths = nullptr,
@@ -59,7 +59,7 @@ class Dielectric {
     float pdf_once(const Vec3f& wo, const Vec3f& wi) const;
     LostInGlass lost() const { return {eta_kept_, facets_.mean_alpha()}; }
     bool sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, SampledSpectrum& weight) const;
-    // For light that meets a facet at cosine c from the side of w: in one wavelength, in each, and how often it is drawn.
+    // For light that hits a facet at cosine c from the side of w: in one wavelength, in each, and how often it is drawn.
     float reflectance(const Vec3f& w, float c, std::uint32_t lane) const;
     SampledSpectrum reflectance(const Vec3f& w, float c) const;
     float probability(const Vec3f& w, float c) const;

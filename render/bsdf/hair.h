@@ -75,7 +75,7 @@ class Hair {
     explicit Hair(const State& state) : state_(&state) {}
     static bool is_isotropic(const Values<Hair>&) { return false; }
 
-    // Rays meet it from outside alone: what lies behind is the same fibre again.
+    // Rays hit it from outside alone: what lies behind is the same fibre again.
     bool is_round() const { return !state_->is_ribbon; }
     bool is_delta() const { return false; }
     SampledSpectrum albedo() const;

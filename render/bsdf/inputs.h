@@ -1,4 +1,4 @@
-// render/bsdf/inputs.h: what closures are made of: values by name, which a material evaluates where a path meets the surface.
+// render/bsdf/inputs.h: what closures are made of: values by name, which a material evaluates where a path hits the surface.
 // docs/rendering.md, "Surfaces".
 #pragma once
 

@@ -1,4 +1,4 @@
-// render/bsdf/lost_in_glass.h: light that meets several GGX facets of an interface of clear matter. docs/rendering.md, "Surfaces".
+// render/bsdf/lost_in_glass.h: light that hits several GGX facets of an interface of clear matter. docs/rendering.md, "Surfaces".
 #pragma once
 
 #include <array>

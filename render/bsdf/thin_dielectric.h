@@ -46,7 +46,7 @@ class ThinDielectric {
     bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    // For light that meets a facet at cosine c: in each wavelength, and how often it is drawn.
+    // For light that hits a facet at cosine c: in each wavelength, and how often it is drawn.
     SampledSpectrum reflectance(float c) const;
     float probability(float c) const;
 

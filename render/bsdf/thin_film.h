@@ -26,7 +26,7 @@ struct ThinFilm {
         return {v.number("film"), v.number("film_eta"), v.number("film_thickness")};
     }
 
-    // Light that meets the film in air at cosine c: what its wavelength does not change.
+    // Light that hits the film in air at cosine c: what its wavelength does not change.
     class Ray {
      public:
         Ray(const ThinFilm& film, float c)

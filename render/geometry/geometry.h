@@ -1,4 +1,4 @@
-// render/geometry/geometry.h: where rays meet surfaces. Embree underneath; spheres, disks and curved patches are solved in
+// render/geometry/geometry.h: where rays hit surfaces. Embree underneath; spheres, disks and curved patches are solved in
 // double.
 #pragma once
 
@@ -96,14 +96,14 @@ struct Crossing {
     std::uint32_t left, entered;
 };
 
-// What a ray meets. Surfaces that lie on one another are met as one: a count of the media entered less those left does not depend
+// What a ray hits. Surfaces that lie on one another are met as one: a count of the media entered less those left does not depend
 // on their order.
 struct Line {
     std::vector<Crossing> crossings;  // before the hit, in order of t; interfaces, and holes between media
     std::optional<SurfaceHit> hit;    // kFirstSolid alone; its media are those before and behind all surfaces that lie on it
     float passed = 1;                 // kAnySolid alone: the share of the light that passes; 0: something whole is in the way
 
-    // The medium that a ray along d begins in, if the first surface that it meets parts media.
+    // The medium that a ray along d begins in, if the first surface that it hits parts media.
     std::optional<std::uint32_t> medium_before(const Vec3f& d) const;
 };
 

@@ -1,4 +1,4 @@
-// render/geometry/line.h: the media along a line of sight, from the surfaces that it meets.
+// render/geometry/line.h: the media along a line of sight, from the surfaces that it hits.
 #pragma once
 
 #include "render/geometry/geometry.h"

@@ -1,4 +1,4 @@
-// render/geometry/placed_shape.h: the shapes and instances of a scene as rays meet them.
+// render/geometry/placed_shape.h: the shapes and instances of a scene as rays hit them.
 #pragma once
 
 #include <optional>

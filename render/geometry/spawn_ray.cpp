@@ -26,7 +26,7 @@ Ray spawn_ray(const Interaction& from, const Vec3f& d) {
 
 Ray spawn_ray(const Interaction& from, const Interaction& to) {
     const Vec3f d = to.p - from.p, begin = offset(from, from.error, d);
-    // Clear of the far surface by what is not known about where the ray meets that, along the normal: so at any angle.
+    // Clear of the far surface by what is not known about where the ray hits that, along the normal: so at any angle.
     const Vec3f end = offset(to, to.error + to.error_per_length * max_abs(d), -d);
     // A point without a normal may have been put on a surface all the same.
     return {begin, end - begin, to.ng == Vec3f{} ? 1 - kRayError : 1, 0, from.ng == Vec3f{}};

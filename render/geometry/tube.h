@@ -1,4 +1,4 @@
-// render/geometry/tube.h: round tubes about curves. Embree finds where a ray meets one; what follows from that is in double.
+// render/geometry/tube.h: round tubes about curves. Embree finds where a ray hits one; what follows from that is in double.
 #pragma once
 
 #include "render/geometry/exact_shapes.h"

@@ -19,7 +19,7 @@ bool SphereLight::sample_point(const Vec3f& from, const LightSampleContext& cont
         const float sin2_max = radius_ * radius_ / d2;
         const float h = one_minus_cos(sin2_max) * u, cosine = 1 - h;
         const float sin2 = h * (1 + cosine);
-        // The angle at the centre between -axis and the point where the drawn direction meets the sphere [PBRT4 6.2.4].
+        // The angle at the centre between -axis and the point where the drawn direction hits the sphere [PBRT4 6.2.4].
         const float cos_alpha = sin2 / std::sqrt(sin2_max) + cosine * std::sqrt(std::max(0.0f, 1 - sin2 / sin2_max));
         out.at = at(Frame::from_z(-axis / std::sqrt(d2)).to_world(direction_at(std::min(cos_alpha, 1.0f), v)));
     } else {

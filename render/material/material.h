@@ -1,4 +1,4 @@
-// render/material/material.h: what a surface is made of, evaluated where a path meets it. docs/rendering.md, "Surfaces".
+// render/material/material.h: what a surface is made of, evaluated where a path hits it. docs/rendering.md, "Surfaces".
 #pragma once
 
 #include <array>

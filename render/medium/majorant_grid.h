@@ -27,7 +27,7 @@ class MajorantGrid {
     MajorantGrid(const Size& size, const std::function<float(const Vec3f&, const Vec3f&)>& max_between,
                  const std::function<float(const Vec3f&)>& at);
 
-    // The greatest density of the cells that a box meets; the mean density of the cell of a point. 0 outside of the cube.
+    // The greatest density of the cells that a box touches; the mean density of the cell of a point. 0 outside of the cube.
     float max_between(const Vec3f& low, const Vec3f& high) const;
     float mean_at(const Vec3f& p) const;
     // The greatest density of all, and how many cells there are along each axis.

@@ -5,7 +5,7 @@
 namespace latent::render {
 
 std::uint32_t medium_at_start(const Geometry& geometry, Vec3f& p, const Vec3f& d, float time, std::uint32_t given) {
-    // From a little before the point to a little behind: from the point itself a ray meets a surface or not, as it rounds.
+    // From a little before the point to a little behind: from the point itself a ray hits a surface or not, as it rounds.
     const float reach = 0x1p-18f * geometry.radius();
     if (!(reach > 0)) return given;
     const Line line = geometry.trace({p - d * reach, d, 2 * reach, time}, Stop::kNothing);

@@ -13,8 +13,8 @@
 namespace latent::render {
 
 // A step along a segment. What multiple importance sampling compares are means over the k wavelengths that depend on the two ends
-// alone: the same for whatever subpath takes the step, and whatever tentative collisions it meets. Where the medium varies they are
-// those of a coarse picture of it, near the densities that steps are drawn with.
+// alone: the same for whatever subpath takes the step, and whatever tentative collisions there are. Where the medium varies they
+// are those of a coarse picture of it, near the densities that steps are drawn with.
 struct MediumStep {
     bool scattered;
     float t;              // [m]: where, or the length of the segment

@@ -144,7 +144,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     {
         Workers workers(options.threads, work.error(), [&](int) { trace_grains(*job.integrator, writer, work); });
         while (!workers.wait(kProgressInterval)) {
-            if (work.error()) writer.give_up();  // nobody is to wait for a grain that will not come
+            if (work.error()) writer.give_up();  // no one is to wait for a grain that will not come
             if (progress) tell(progress, work, job.range, before, writer);
             tell(options, log, work, writer, false);
         }

@@ -1,4 +1,4 @@
-// render/transport/aov_settings.h: which further values records hold of the ray and of the surface that it meets, and their
+// render/transport/aov_settings.h: which further values records hold of the ray and of the surface that it hits, and their
 // columns. docs/rendering.md, "AOVs".
 #pragma once
 

@@ -57,7 +57,7 @@ class Integrator {
     virtual Status status() const { return {}; }
     // What the scene's files turned out to hold when they were needed, one line each. Any thread.
     virtual std::vector<std::string> warnings() const { return {}; }
-    // Tests of visibility between two points since this was made; one may go on through interfaces. While nobody traces.
+    // Tests of visibility between two points since this was made; one may go on through interfaces. Not while a thread traces.
     virtual std::uint64_t shadow_rays() const { return 0; }
 };
 

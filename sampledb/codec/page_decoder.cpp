@@ -139,7 +139,7 @@ class PageDecoder::Decoding {
         return entry.transform == Transform::kPacked && entry.bits == 0 && entry.base == std::bit_cast<std::uint32_t>(1.0f);
     }
 
-    // Where each record's pairs begin. The counts are believed only once they add up.
+    // Where each record's pairs begin. The counts are used only once they add up.
     Status place_pairs() {
         prepare(page_.first_pair, before_.first_pair, page_.count);
         const std::span<std::uint32_t> first(page_.first_pair);

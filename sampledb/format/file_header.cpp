@@ -7,7 +7,7 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::size_t kFrontSize = 64;  // what is checked before the rest is believed
+constexpr std::size_t kFrontSize = 64;  // what is checked before the rest is used
 constexpr std::size_t kKnotSize = 12;
 
 // The lowest version that says it all, so that programs that know no higher one read what they can.

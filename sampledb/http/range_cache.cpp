@@ -137,7 +137,7 @@ void RangeCache::finish(const RangePointer& range, Result<Fetched> fetched) {
     arrived_.notify_all();
 }
 
-// The ranges that hold bytes begin .. end-1, which are asked for if nobody has.
+// The ranges that hold bytes begin .. end-1, which are requested unless they were before.
 std::vector<RangeCache::RangePointer> RangeCache::cover(const RemoteFile& file, std::uint64_t begin, std::uint64_t end) {
     const std::lock_guard lock(mutex_);
     std::vector<RangePointer> ranges;

@@ -44,7 +44,7 @@ class RangeCache {
     // Errors: kTruncated (the file ended before, when it was opened), those of HttpConnection.
     Status read(const RemoteFile& file, std::uint64_t offset, std::span<std::byte> into);
     // These bytes are read soon. They are asked for, unless much is on its way already; the last ones wait for neighbours that may
-    // be announced next, until somebody waits for anything.
+    // be announced next, until a caller waits for anything.
     void announce(const RemoteFile& file, std::uint64_t offset, std::uint64_t length);
 
  private:

@@ -28,7 +28,7 @@ class Transfers {
     // Gives up what is on its way; what waits is never begun.
     ~Transfers();
 
-    // `urgent`: somebody waits for it; comes before those that are not.
+    // `urgent`: a caller waits for it; comes before those that are not.
     void add(Transfer transfer, bool urgent);
 
  private:

@@ -97,7 +97,7 @@ struct Frames {
     }
 };
 
-// The runs that the footer lists: all, or none if its list is not to be believed.
+// The runs that the footer lists: all, or none if its list is damaged.
 Status list_runs(const FooterReader& footer, std::uint64_t begin, FileContents& file) {
     file.runs.reserve(std::min(footer.run_count(), kMaxRunsPerFile));
     const Status listed = footer.for_each_run(begin, file.header.job.id, [&](const RunInfo& run) { file.runs.push_back(run); });

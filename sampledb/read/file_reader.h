@@ -18,7 +18,7 @@ namespace latent::sampledb {
 
 class PageDecoder;
 
-// How closely a run is looked at before it is believed.
+// How closely a run is looked at before it is used.
 enum class VerifyLevel : std::uint8_t {
     kHeaders,  // header only; from a footer: the footer's copy of it
     kQuick,    // header, index and one page

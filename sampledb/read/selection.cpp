@@ -15,7 +15,7 @@ using Indices = std::vector<std::uint32_t>;
 
 bool has_gaps(const SelectedRun& run) { return run.coverage.ranges().size() > 1; }
 
-// Total order in which nothing but (job, coverage, bytes) has a say: equal coverages stand together, the smaller hash first.
+// Total order of (job, coverage, bytes) alone: equal coverages stand together, the smaller hash first.
 bool before(const SelectedRun& a, const SelectedRun& b) {
     const RunHeader &x = a.header, &y = b.header;
     if (x.samples != y.samples) return std::tie(x.samples.end, x.samples.first) < std::tie(y.samples.end, y.samples.first);

@@ -30,7 +30,7 @@ class EarlierAttempts {
     EarlierAttempts() = default;
 
     // Looks at every attempt under `name`, and at `name` itself. What cannot be read is passed over: it is rendered again.
-    // Canonical runs are believed if every stored byte is sound; the others are decoded, unless they are larger than any of the job
+    // Canonical runs are accepted if every stored byte is sound; the others are decoded, unless they are larger than any of the job
     // should be. Errors: kMismatch if an attempt is of another job.
     static Result<EarlierAttempts> find(const std::filesystem::path& name, const Job& job, SampleRange range);
 

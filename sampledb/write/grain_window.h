@@ -30,7 +30,7 @@ class GrainWindow {
     // oldest missing one always finds room. Then waits until the disk is no longer late. Errors: kOutOfRange (not a missing
     // grain), kStopped (the grain was let go: the window is closed, or rendering was given up while there was no room).
     Status put(Grain grain);
-    // The oldest missing grain will not come: nobody waits for it any longer.
+    // The oldest missing grain will not come: no one waits for it any longer.
     void give_up();
     // Returns when every grain before the first that is missing is on disk, or the window is closed.
     void flush();

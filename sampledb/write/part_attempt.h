@@ -23,7 +23,7 @@ class PartAttempt {
     // The same with a run that another attempt holds, byte by byte.
     Status append(const StoredRun& run);
 
-    // Somebody removed the name: another writer who published, or the user.
+    // The name was removed, by another writer that published, or by the user.
     bool vanished() const;
     // Everything that was appended, under a new name.
     Status restore();

@@ -75,7 +75,7 @@ TEST(Cylinder, HitsLieOnItAndAreTheFirst) {
     EXPECT_FALSE(intersect_cylinder({0.5, 0, 5}, {0, 0, -1}, 1, {}, 0, kFar));  // along its axis
 }
 
-// Of the points of a whole quadric that a ray meets, a part has those that lie on it.
+// Of the points of a whole quadric that a ray hits, a part has those that lie on it.
 TEST(Quadrics, APartIsMetWhereItIs) {
     Random64 random;
     int met = 0, missed = 0;

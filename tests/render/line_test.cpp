@@ -15,7 +15,7 @@ using testing::build;
 using testing::Built;
 using testing::Random;
 
-// Where a line meets a shape, and the media on the two sides.
+// Where a line hits a shape, and the media on the two sides.
 struct Event {
     double t;
     std::uint32_t left, entered;
@@ -77,8 +77,8 @@ class Lattice {
         return text;
     }
 
-    // Where the line meets interfaces, in order, and the first sheet, if there is one. False: it runs too nearly along a face,
-    // comes too near to an edge of a sheet, or passes the open end of a tube, to say what it meets.
+    // Where the line hits interfaces, in order, and the first sheet, if there is one. False: it runs too nearly along a face,
+    // comes too near to an edge of a sheet, or passes the open end of a tube, to say what it hits.
     bool meet(const Vec3d& o, const Vec3d& d, std::vector<Event>& events, double& sheet) const {
         if (std::min({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) < 0.05) return false;
         const auto add = [&](double in, double out, std::uint32_t inside, std::uint32_t outside) {

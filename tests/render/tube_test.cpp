@@ -1,4 +1,4 @@
-// Tubes about curves: rays meet them where their definition says, and start and end clear of them.
+// Tubes about curves: rays hit them where their definition says, and start and end clear of them.
 #include "render/geometry/tube.h"
 
 #include <fmt/format.h>

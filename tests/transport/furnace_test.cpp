@@ -303,7 +303,7 @@ TEST(DeltaLights, AreInvisibleThroughMirrorsAndGlassToo) {
     }
 }
 
-// What they light is visible: a wall behind a pane, lit through the pane. Only light that meets the lens by chance comes that way,
+// What they light is visible: a wall behind a pane, lit through the pane. Only light that hits the lens by chance comes that way,
 // after the wall has scattered it: with `bdpt` and a lens. In focus is the wall, 4 m away, of which the window shows a square of
 // side w = 8 tan 45 deg:  Y = rho / pi Phi (1 - R')^2 / w^2,  Phi what the spot emits, R' the pane's at normal incidence.
 TEST(DeltaLights, LightWallsBehindPanesForALens) {

@@ -1,4 +1,4 @@
-// Laws of hair: energy, densities, both kinds of subpath, and fibres as rays meet them.
+// Laws of hair: energy, densities, both kinds of subpath, and fibres as rays hit them.
 #include <cmath>
 #include <numbers>
 

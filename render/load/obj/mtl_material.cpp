@@ -146,7 +146,7 @@ class Describer {
         out.numbers["f90"] = number("map_Ks", std::min(2 * ks, 1.0));
     }
 
-    // Some programs write d 0 or Tr 1 for what is opaque; nobody means a material that is not there.
+    // Some programs write d 0 or Tr 1 for what is opaque; an invisible material is never meant.
     FloatInput alpha() {
         if (b.opacity == 0)
             target_.diagnostics.warn_of_kind(

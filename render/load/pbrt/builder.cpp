@@ -190,7 +190,7 @@ void SceneBuilder::add_material(const Directive& d) {
     if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
     std::optional<PbrtMaterial> material;
     MaterialUse use{.is_interface = type && is_interface(*type)};
-    if (type == "subsurface") {  // before the surface, which reports what nobody reads
+    if (type == "subsurface") {  // before the surface, which reports parameters that nothing reads
         use.inside = static_cast<std::uint32_t>(scene_.media.size());
         scene_.media.push_back(read_subsurface(parameters, textures_));
     }

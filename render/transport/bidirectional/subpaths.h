@@ -29,7 +29,7 @@ struct SubpathVertex {
 
     bool connectible() const { return !scattering.is_delta(); }
     float cosine(const Vec3f& w) const { return normal == Vec3f{} ? 1 : abs_dot(normal, w); }
-    // The same for a step that comes here from where w leads; 0: it cannot meet this vertex.
+    // The same for a step that comes here from where w leads; 0: it cannot hit this vertex.
     float cosine_from(const Vec3f& w) const { return scattering.is_met_from(w) ? cosine(w) : 0; }
     std::uint32_t medium_towards(const Vec3f& w) const { return media.towards(w, at.ng, medium); }
 };

@@ -1,4 +1,4 @@
-// render/transport/bidirectional/walk.h: the two subpaths, step by step, and what they meet by themselves: lights (s = 0) and the
+// render/transport/bidirectional/walk.h: the two subpaths, step by step, and what they hit by themselves: lights (s = 0) and the
 // lens (t = 0).
 #pragma once
 
@@ -40,7 +40,7 @@ class SubpathWalk : public SubpathSample {
     // Extends a subpath step by step until it is absorbed, leaves, or is long enough.
     void walk(Subpath& path, bool from_camera, Step& step);
 
-    // Follows a step to the vertex that it reaches and appends that; gathers what shines on the way, or the lens that it meets.
+    // Follows a step to the vertex that it reaches and appends that; gathers what shines on the way, or the lens that it hits.
     // False: there is none, or none that could be connected within the depth.
     bool find_vertex(Subpath& path, bool from_camera, Step& step);
 
@@ -58,7 +58,7 @@ class SubpathWalk : public SubpathSample {
     void see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line);
     void see_infinite_lights(const Step& step, const LineOfSight& line);
 
-    // t = 0: the light's step meets the lens on this segment, if nothing scatters it before. Lights that are a point or a direction
+    // t = 0: the light's step hits the lens on this segment, if nothing scatters it before. Lights that are a point or a direction
     // are themselves invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes
     // such a path, so no weight counts on this one.
     void reach_lens(const Step& step, LineOfSight line, Segment segment);
