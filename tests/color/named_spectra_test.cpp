@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "base/parse.h"
+#include "color/light_name.h"
 #include "color/observer.h"
 
 namespace latent::color {
@@ -101,6 +103,21 @@ TEST(NamedSpectra, LampsHaveTheirPublishedChromaticities) {
         }
         EXPECT_NEAR(chromaticity(sum).x, lamp.xy.x, 5.5e-5);
         EXPECT_NEAR(chromaticity(sum).y, lamp.xy.y, 5.5e-5);
+    }
+}
+
+TEST(NamedLights, AreTheStandardIlluminantsAndHaveTheTemperaturesThatTheyAreSaidToHave) {
+    EXPECT_EQ(named_lights().size(), 16U);  // with E
+    for (const NamedLight& light : named_lights()) {
+        SCOPED_TRACE(light.name);
+        const Result<Spectrum> s = light_by_name(light.name);
+        ASSERT_TRUE(s);
+        const std::size_t comma = light.what.find(", ");
+        if (comma == std::string_view::npos) continue;
+        const std::string_view kelvin = light.what.substr(comma + 2, light.what.size() - comma - 4);
+        const auto [x, y] = chromaticity(xyz_from_spectrum(*s, Observer::cie1931()));
+        const double n = (x - 0.3320) / (0.1858 - y);  // McCamy's formula, within .5 % of the nearest blackbody
+        EXPECT_NEAR(449 * n * n * n + 3525 * n * n + 6823.3 * n + 5520.33, *parse_number(kelvin), 0.01 * *parse_number(kelvin));
     }
 }
 

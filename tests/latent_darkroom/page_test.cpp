@@ -66,7 +66,7 @@ TEST_F(DarkroomPage, EachControlPrintsAsTheCommandLine) {
          {"--tone", "filmic", "--contrast", "1.3", "--black", "0.02"}},
         {{{"set", {{"gamut", "grey"}, {"profile", "display-p3"}}}}, {"--gamut", "grey", "--profile", "display-p3"}},
         {{{"click", "[aria-label='Mute sky']"}}, {"--light", "sky=0"}},
-        {{{"set", {{"[aria-label='Stops of lamp']", "1.5"}, {"[aria-label^='Colour temperature of lamp']", "3000"}}}},
+        {{{"set", {{"[aria-label='Stops of lamp']", "1.5"}, {"[aria-label='Lamp of lamp']", "3000"}}}},
          {"--light", "lamp=3000K,2.82843"}},
         {{{"set", {{"observer", "cie1964"}, {"filter", "wratten-81"}}}}, {"--observer", "cie1964", "--lens-filter", "wratten-81"}},
         {{{"click", "clipped"}}, {"--show", "clipped"}},
@@ -94,6 +94,26 @@ TEST_F(DarkroomPage, EachControlPrintsAsTheCommandLine) {
     }
     EXPECT_EQ(seen[steps.size() + 1]["view"], views[steps.size() - 1]);
     EXPECT_EQ(seen[steps.size() + 2]["view"], views[0]);
+}
+
+TEST_F(DarkroomPage, LampsAndGelsAreThoseOfTheCommandLine) {
+    const std::string lamp = "[aria-label='Lamp of lamp']", gel = "[aria-label='Gel of lamp']";
+    const Json seen = drive({{{"set", {{gel, "wratten-80a, wratten-3"}}}, {"shot", "gel.png"}},
+                             {{"set", {{lamp, "F11"}}}},
+                             {{"set", {{gel, ""}, {"[aria-label='Lamp of sky']", "6500k"}}}},
+                             {{"set", {{lamp, "moon"}}}},
+                             {{"set", {{gel, "moon"}}}}});
+    const std::vector<std::string> exposed{"--sensitivity", sensitivity_of(printed({}))};
+    const std::vector<std::string> lights[] = {{"--light", "lamp=wratten-80a,wratten-3"},
+                                               {"--light", "lamp=F11,wratten-80a,wratten-3"},
+                                               {"--light", "lamp=F11", "--light", "sky=6500K"}};
+    for (std::size_t i = 0; i < std::size(lights); ++i) {
+        EXPECT_EQ(seen[i]["error"], "");
+        EXPECT_TRUE(is_same(bytes_from_base64(seen[i]["tile"]), printed(with(exposed, lights[i])))) << i;
+    }
+    EXPECT_EQ(seen[3]["error"], "moon: not a temperature, such as 3200K, or the name of a light");
+    EXPECT_EQ(seen[3]["view"], seen[2]["view"]);
+    EXPECT_NE(std::string(seen[4]["error"]).find("'moon' is not"), std::string::npos) << seen[4]["error"];
 }
 
 TEST_F(DarkroomPage, FilmPaperGlareAndProofsAreThoseOfTheCommandLine) {

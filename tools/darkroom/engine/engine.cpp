@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "sampledb/data/unreadable.h"
 #include "sampledb/read/input_files.h"
 #include "tools/convert/convert.h"
 #include "tools/darkroom/engine/light_mix.h"
-#include "tools/develop/channels/light_groups.h"
 #include "tools/develop/lens/lens_columns.h"
 #include "tools/develop/lens/recorded_lens.h"
 #include "tools/develop/lens/shutter.h"
@@ -55,11 +53,8 @@ std::string state_of_files(const std::vector<std::filesystem::path>& inputs) {
     return state;
 }
 
-std::vector<std::string> light_groups_in(const sampledb::RunSet& runs) {
-    std::vector<std::string> names;
-    const Result<std::vector<develop::LightGroup>> groups = develop::light_groups_of(runs);
-    if (groups) std::ranges::transform(*groups, std::back_inserter(names), &develop::LightGroup::name);
-    return names;
+std::vector<develop::LightGroup> light_groups_in(const sampledb::RunSet& runs) {
+    return develop::light_groups_of(runs).value_or(std::vector<develop::LightGroup>{});
 }
 
 develop::PixelRect pixels_of(const Rect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
@@ -103,7 +98,7 @@ Engine::Opened Engine::opened() const {
 }
 
 void Engine::use(std::unique_ptr<sampledb::RunSet> runs) {
-    std::vector<std::string> groups = light_groups_in(*runs);
+    std::vector<develop::LightGroup> groups = light_groups_in(*runs);
     const std::scoped_lock lock(mutex_);
     if (runs->coverage() != opened_.runs->coverage()) ++opened_.generation;
     opened_.light_groups = std::move(groups);
@@ -320,7 +315,8 @@ Result<Engine::Picture> Engine::developed(const Decisions& decisions, const deve
 
 Result<Engine::Picture> Engine::mixed(const Decisions& decisions, const develop::Size& size, const Rect& block,
                                       const Stopped& stopped) {
-    const std::vector<std::string> groups = light_groups();
+    std::vector<std::string> groups;
+    for (const develop::LightGroup& group : light_groups()) groups.push_back(group.name);
     const Result<LightMix> mix = light_mix_of(decisions.recipe, groups);
     if (!mix) return mix.error();
     const Result<Decisions> of_layers = decide(mix->of_layers);

@@ -20,6 +20,7 @@
 #include "tools/darkroom/engine/developing.h"
 #include "tools/darkroom/engine/kept_picture.h"
 #include "tools/darkroom/engine/picture_cache.h"
+#include "tools/develop/channels/light_groups.h"
 #include "tools/develop/picture/picture.h"
 
 namespace latent::darkroom {
@@ -63,7 +64,7 @@ class Engine {
     // Whether the files hold more samples than before, which are in all pictures from now on. Costs little while they do not
     // change. While a part is being replaced, or cannot be read, all stays as it was: samples never become fewer.
     bool look_again();
-    std::vector<std::string> light_groups() const { return opened().light_groups; }  // none: the files do not keep lights apart
+    std::vector<develop::LightGroup> light_groups() const { return opened().light_groups; }  // none: the files keep none apart
     std::optional<double> f_number() const;                                          // of the lens, if its aperture can be chosen
     bool knows_shutter() const;                                                      // whether the shutter can be chosen
     develop::Size default_size() const { return develop::default_size(*runs()); }
@@ -86,7 +87,7 @@ class Engine {
     using Picture = std::shared_ptr<const KeptPicture>;
     struct Opened {
         std::shared_ptr<const sampledb::RunSet> runs;
-        std::vector<std::string> light_groups{};
+        std::vector<develop::LightGroup> light_groups{};
         std::string files{};           // as they were when they were last looked at: names, sizes, times
         std::uint64_t generation = 0;  // of the pictures of these runs
     };

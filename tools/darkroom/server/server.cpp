@@ -15,6 +15,7 @@
 #include "base/parse.h"
 #include "color/catalogue.h"
 #include "color/film/material.h"
+#include "color/light_name.h"
 #include "tools/convert/convert.h"
 #include "tools/convert/looks.h"
 #include "tools/darkroom/engine/decisions.h"
@@ -285,6 +286,10 @@ class HttpServer final : public Server {
             (material.in_camera() ? stocks : papers).push_back({{"name", material.name}, {"what", material.title}});
         for (const convert::NamedLook& look : convert::looks())
             looks.push_back({{"name", look.name}, {"film", look.film}, {"what", look.what}});
+        Json lights = Json::array(), light_groups = Json::array();
+        for (const color::NamedLight& light : color::named_lights()) lights.push_back({{"name", light.name}, {"what", light.what}});
+        for (const develop::LightGroup& group : engine_.light_groups())
+            light_groups.push_back({{"name", group.name}, {"replaceable", group.spectrum.has_value()}});
         const bool spectral = runs.job().kind == sampledb::RecordKind::kSpectral;
         Json state{{"version", LATENT_VERSION},
                    {"inputs", inputs},
@@ -294,7 +299,8 @@ class HttpServer final : public Server {
                    {"samples", runs.coverage().size()},
                    {"runs", runs.runs().size()},
                    {"spectral", spectral},
-                   {"light_groups", engine_.light_groups()},
+                   {"light_groups", light_groups},
+                   {"lights", lights},
                    {"observers", spectral ? observers : Json::array()},
                    {"lens_filters", spectral ? filters : Json::array()},
                    {"films", spectral ? stocks : Json::array()},
