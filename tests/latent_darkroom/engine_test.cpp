@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
+#include "color/observer.h"
+#include "image/exr_reader.h"
 #include "tests/image/decode.h"
 #include "tests/print/samples.h"
 
@@ -136,6 +139,59 @@ TEST_F(DarkroomEngine, AProbeTellsThePixelOfThePicture) {
         EXPECT_LT(probe->standard_errors[c], probe->values[c]);
     }
     EXPECT_GT(probe->samples, 0);
+}
+
+// Bins as latent-develop stores them; weighed by ybar, they add up to the Y of the probe.
+TEST_F(DarkroomEngine, ASpectrumIsThatOfThePixelAndItsLuminance) {
+    const std::unique_ptr<Engine> engine = open();
+    const Recipe recipe = recipe_of(R"("develop": {"light": ["lamp=F11,wratten-80a,2"]}, "convert": {"sensitivity": 1})");
+    constexpr int kBins = 94;
+    const Result<darkroom::ProbedSpectrum> spectrum = engine->spectrum(recipe, {75, 50}, 40, 25, kBins);
+    ASSERT_TRUE(spectrum) << spectrum.error().message;
+    const Result<darkroom::Probe> probe = engine->probe(recipe, {75, 50}, 40, 25);
+    ASSERT_TRUE(probe);
+    EXPECT_EQ(spectrum->samples, probe->samples);
+
+    develop::PictureOptions options;
+    options.inputs = {path("a.latent")};
+    options.size = "75x50";
+    options.crop = develop::PixelRect{40, 25, 41, 26};
+    options.lights = {"lamp=F11,wratten-80a,2"};
+    options.spectral_bins.count = kBins;
+    options.layers.variance = true;
+    develop::PixelArray pixel;
+    ASSERT_TRUE(develop::develop_picture(options, pixel, {}));
+    const double width = 470.0 / kBins;
+    double y = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+        EXPECT_EQ(spectrum->values[i], static_cast<double>(pixel.pixels()[i]));
+        EXPECT_EQ(spectrum->standard_errors[i], std::sqrt(pixel.pixels()[kBins + i]));
+        const double nm = spectrum->from_nm + (static_cast<double>(i) + 0.5) * width;
+        y += 683 * color::Observer::cie1931().at(nm)[1] * spectrum->values[i] * width;
+    }
+    EXPECT_NEAR(y / engine->runs()->job().light_unit_cd_m2, probe->values[1], 0.01 * probe->values[1]);  // ybar within 5 nm
+}
+
+TEST_F(DarkroomEngine, TheNoiseMapIsThatOfInspectNoise) {
+    const std::unique_ptr<Engine> engine = open();
+    const Result<develop::NoiseMap> map = engine->noise(recipe_of(R"("convert": {"sensitivity": 1})"), {300, 200});
+    ASSERT_TRUE(map) << map.error().message;
+    const Outcome told = run({tool("latent-inspect"), "noise", path("a.latent"), "--size", "300", "-o", path("n.exr")});
+    ASSERT_EQ(told.status, 0) << told.err;
+    const Result<image::ExrReader> reader = image::ExrReader::open(path("n.exr"));
+    ASSERT_TRUE(reader) << reader.error().message;
+    std::vector<float> planes[3];
+    for (auto& plane : planes) plane.resize(std::size_t{300} * 200);
+    image::ExrReader::Scratch scratch;
+    ASSERT_TRUE(reader->read({0, 0, 300, 200}, {planes[0].data(), planes[1].data(), planes[2].data()}, 300, scratch));
+    constexpr std::size_t kSide = develop::NoiseMap::kSide;
+    EXPECT_EQ(map->columns(), 19U);
+    EXPECT_EQ(map->rows(), 13U);
+    for (std::size_t row = 0; row < map->rows(); ++row) {
+        for (std::size_t column = 0; column < map->columns(); ++column)
+            EXPECT_EQ(map->relative(column, row), planes[0][row * kSide * 300 + column * kSide]);
+    }
+    EXPECT_EQ(engine->noise(Recipe::object(), {4096, 2731}).error().code, ErrorCode::kUsage);
 }
 
 TEST_F(DarkroomEngine, AHistogramCountsThePixelsOfTheView) {

@@ -214,6 +214,23 @@ TEST_F(DarkroomPage, APrintForAPaperHasItsPixels) {
     EXPECT_TRUE(bytes_of("kept/small.tif") == bytes_of("same.tif"));
 }
 
+TEST_F(DarkroomPage, TheNoiseMapFollowsTheLight) {
+    const Json seen = drive({{{"key", "n"}, {"wait", "#noise-map"}, {"tell", "#noise-told"}, {"shot", "noise.png"}},
+                             {{"set", {{"stops", "1"}}}, {"tell", "#noise-told"}},
+                             {{"click", "[aria-label='Mute sky']"}, {"tell", "#noise-told"}},
+                             {{"set", {{"denoise", "1"}}}, {"tell", "#noise-told"}},
+                             {{"click", "noise"}, {"tell", "#noise-map"}}});
+    const Json map = get("api/noise?width=300&view=" + std::string(seen[0]["view"]));
+    const std::string text = seen[0]["told"][0]["text"];
+    const std::size_t at = text.find("half above ") + 11;
+    EXPECT_NEAR(std::stod(text.substr(at)), 100 * map["median"].get<double>(), 0.05 * 100 * map["median"].get<double>()) << text;
+    EXPECT_EQ(seen[1]["told"], seen[0]["told"]);
+    EXPECT_NE(seen[2]["told"], seen[0]["told"]);
+    EXPECT_EQ(std::string(seen[3]["told"][0]["text"]), std::string(seen[2]["told"][0]["text"]) + " Before it is removed.");
+    EXPECT_EQ(seen[4]["told"], Json::array());
+    EXPECT_EQ(seen[4]["error"], "");
+}
+
 // At 1:1, pixels of the print are those of the screen.
 TEST_F(DarkroomPage, TheScreenShowsThePixelsOfThePrint) {
     const Json seen = drive({{{"set", {{"stops", "0.5"}}}}, {{"key", "1"}, {"shot", "one.png"}}});
@@ -240,7 +257,9 @@ TEST_F(DarkroomPage, MistakesAreSaidAndPrintsRecipesAndProbesWork) {
                              {{"click", "save"}},
                              {{"click", "print"}},
                              {{"click", "probe"}},
-                             {{"at", {468, 360}}, {"shot", "crop.png"}}});
+                             {{"at", {468, 360}}, {"shot", "crop.png"}},
+                             {{"set", {{"probe-side", "16"}}}},
+                             {{"set", {{"stops", "2"}}}, {"tell", "#plot"}}});
     EXPECT_EQ(seen[1]["error"], "--contrast and --black need a tone curve, but --tone is none");
     EXPECT_EQ(seen[2]["error"], "");
     Json jobs = get("api/prints");
@@ -252,6 +271,9 @@ TEST_F(DarkroomPage, MistakesAreSaidAndPrintsRecipesAndProbesWork) {
     EXPECT_EQ(print.format.height, 70);
     EXPECT_EQ(print.pixels, expected.pixels);
     EXPECT_EQ(std::string(seen[9]["probed"]).find("pixel 75, 50: "), 0u) << seen[9]["probed"];
+    EXPECT_EQ(std::string(seen[10]["probed"]).find("15.0 × 15.0 pixels from 75, 45: "), 0u) << seen[10]["probed"];
+    EXPECT_NE(seen[11]["probed"], seen[10]["probed"]);  // brighter
+    EXPECT_EQ(std::string(seen[11]["told"][0]["aria-label"]).find("Spectrum of the light, most at "), 0u) << seen[11]["told"];
 }
 
 }  // namespace

@@ -8,8 +8,9 @@
 //   {"at": [x, y]}             a click into the window
 //   {"drag": [[x, y], ...]}    the pointer goes through these places of the window
 //   {"shot": "a.png"}          saves what is seen into FOLDER
+//   {"tell": ".a"}             the texts of such elements, their attributes, and their places in the window
 // and the page is waited for after each. Prints a JSON list: for each step {"recipe", "tile" (base64 of the raw pixels of the whole
-// print, at most 512 wide), "mixed" (how many tiles of light mixes were seen so far), "error", "text" of the panel}.
+// print, at most 512 wide), "mixed" (how many tiles of light mixes were seen so far), "error", "told" (a list of elements)}.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { startChromium } from "../../support/chromium.mjs";
@@ -76,7 +77,9 @@ try {
       const raw = new Uint8Array(await (await fetch(\`api/tile?view=\${view}&width=\${w}&area=0,0,\${w},\${h}&format=raw\`)).arrayBuffer());
       let text = "";
       for (const byte of raw) text += String.fromCharCode(byte);
-      return { view, recipe: JSON.parse(document.body.dataset.recipe), width: w, tile: btoa(text), error: document.getElementById("error").textContent,
+      const told = [...document.querySelectorAll(${JSON.stringify(step.tell ?? "no-such-element")})].map((e) => (
+        { text: e.textContent, rect: e.getBoundingClientRect().toJSON(), ...Object.fromEntries([...e.attributes].map((a) => [a.name, a.value])) }));
+      return { view, told, recipe: JSON.parse(document.body.dataset.recipe), width: w, tile: btoa(text), error: document.getElementById("error").textContent,
                probed: document.getElementById("probed").textContent, jobs: document.getElementById("jobs").textContent,
                mixed: performance.getEntriesByType("resource").filter((e) => /tile.*mixed=1/.test(e.name) && !e.name.includes("raw")).length,
                clipping: document.getElementById("clipping").textContent };

@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "sampledb/data/unreadable.h"
 #include "sampledb/read/input_files.h"
 #include "tools/convert/convert.h"
 #include "tools/darkroom/engine/light_mix.h"
+#include "tools/darkroom/engine/seen_picture.h"
 #include "tools/develop/lens/lens_columns.h"
 #include "tools/develop/lens/recorded_lens.h"
 #include "tools/develop/lens/shutter.h"
@@ -21,8 +21,6 @@ namespace latent::darkroom {
 using image::Rect;
 
 namespace {
-
-constexpr int kBlock = 2048;
 
 // Of --memory: pictures are kept while one is developed and another printed.
 std::uint64_t memory_to_keep(const EngineOptions& options) { return options.memory / 8 * 3; }
@@ -55,22 +53,6 @@ std::string state_of_files(const std::vector<std::filesystem::path>& inputs) {
 
 std::vector<develop::LightGroup> light_groups_in(const sampledb::RunSet& runs) {
     return develop::light_groups_of(runs).value_or(std::vector<develop::LightGroup>{});
-}
-
-develop::PixelRect pixels_of(const Rect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
-
-std::string text_of(const develop::Size& size) { return fmt::format("{}x{}", size.width, size.height); }
-
-Rect whole(const develop::Size& size) { return {0, 0, static_cast<int>(size.width), static_cast<int>(size.height)}; }
-
-// What is seen of them, at this size.
-develop::PictureOptions picture_of(const Decisions& decisions, const develop::Size& size, const Rect& block) {
-    develop::PictureOptions picture = decisions.picture;
-    picture.size = text_of(size);
-    picture.crop = pixels_of(block);
-    picture.mipmap = picture.zip = false;
-    if (decisions.print.layer.empty()) picture.layers = {};
-    return picture;
 }
 
 }  // namespace
@@ -196,58 +178,6 @@ Result<convert::CodeValues> Engine::view(const Recipe& recipe, const develop::Si
         }
     }
     return all;
-}
-
-Result<Histogram> Engine::histogram(const Recipe& recipe, const develop::Size& size, const ViewOptions& options) {
-    Result<Decisions> decisions = decide(recipe);
-    if (!decisions) return decisions.error();
-    if (Status s = check_view(*decisions); !s) return s.error();
-    if (std::max(size.width, size.height) > kBlock)
-        return usage_error(fmt::format("a histogram is of at most {} pixels a side", kBlock));
-    convert::CodeValues codes;
-    const Result<convert::ConvertReport> report = print(*decisions, size, whole(size), whole(size), codes, options);
-    if (!report) return report.error();
-    Histogram histogram{{}, report->print.pixels, report->print.burnt, report->print.black, report->print.out_of_gamut};
-    const auto channels = static_cast<std::size_t>(codes.channels);
-    for (std::size_t i = 0; i < codes.codes.size(); i += channels) {
-        for (std::size_t c = 0; c < 3; ++c) ++histogram.counts[c][static_cast<std::size_t>(codes.codes[i + c % channels])];
-    }
-    return histogram;
-}
-
-Result<Probe> Engine::probe(const Recipe& recipe, const develop::Size& size, int x, int y, const Stopped& stopped) {
-    const Rect pixel{x, y, x + 1, y + 1};
-    const Result<convert::CodeValues> codes = view(recipe, size, pixel, {.stopped = stopped});
-    if (!codes) return codes.error();
-    Result<Decisions> decisions = decide(recipe);
-    if (!decisions) return decisions.error();
-    develop::PictureOptions picture = picture_of(*decisions, size, pixel);
-    picture.denoise = 0;
-    picture.dim_fireflies = false;
-    picture.layers = {};
-    picture.layers.variance = picture.layers.count = true;
-    const auto make = [this, picture](KeptPicture& made, const Stopped& given_up) {
-        return develop(picture, given_up, made.linear);
-    };
-    const std::string key = fmt::format("probe {} {},{} {}", text_of(size), x, y, decisions->of_light());
-    const Result<Picture> made = kept_or_made(key, make, stopped);
-    if (!made) return made.error();
-    const develop::PixelArray& pixels = (*made)->linear;
-    Probe probe;
-    probe.observer = picture.observer.film.empty() ? picture.observer.name : picture.observer.film;
-    const std::vector<std::string>& names = pixels.channels();
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        constexpr std::string_view kColours[] = {"R", "G", "B"};
-        const double value = pixels.pixels()[i];
-        for (std::size_t c = 0; c < 3; ++c) {
-            if (names[i] == kColours[c]) probe.values[c] = value;
-            if (names[i] == fmt::format("variance.{}", kColours[c])) probe.standard_errors[c] = std::sqrt(std::max(0.0, value));
-        }
-        if (names[i] == "count") probe.samples = value;
-    }
-    for (std::size_t c = 0; c < 3; ++c)
-        probe.codes[c] = static_cast<int>(codes->codes[c % static_cast<std::size_t>(codes->channels)]);
-    return probe;
 }
 
 Result<Rect> Engine::block_at(const Decisions& decisions, const develop::Size& size, int x, int y) {

@@ -21,6 +21,7 @@
 #include "tools/darkroom/engine/kept_picture.h"
 #include "tools/darkroom/engine/picture_cache.h"
 #include "tools/develop/channels/light_groups.h"
+#include "tools/develop/noise/noise.h"
 #include "tools/develop/picture/picture.h"
 
 namespace latent::darkroom {
@@ -46,6 +47,14 @@ struct Probe {
     double samples = 0;          // that reach it
 };
 
+// The light of a pixel as a spectrum, as it is mixed and passes the lens, before filters and noise removal: mean spectral radiance
+// of bins of equal width, in W m^-2 sr^-1 nm^-1.
+struct ProbedSpectrum {
+    double from_nm = 0, to_nm = 0;
+    std::vector<double> values, standard_errors;
+    double samples = 0;  // that reach the pixel
+};
+
 struct ViewOptions {
     // Lights are mixed as a sum of pictures of each group, which is there at once when these are: the print, but for last digits,
     // and without the removal of noise.
@@ -65,8 +74,8 @@ class Engine {
     // change. While a part is being replaced, or cannot be read, all stays as it was: samples never become fewer.
     bool look_again();
     std::vector<develop::LightGroup> light_groups() const { return opened().light_groups; }  // none: the files keep none apart
-    std::optional<double> f_number() const;                                          // of the lens, if its aperture can be chosen
-    bool knows_shutter() const;                                                      // whether the shutter can be chosen
+    std::optional<double> f_number() const;  // of the lens, if its aperture can be chosen
+    bool knows_shutter() const;              // whether the shutter can be chosen
     develop::Size default_size() const { return develop::default_size(*runs()); }
     Result<develop::Size> size_of_width(std::uint32_t width) const;
 
@@ -82,6 +91,12 @@ class Engine {
     // Of the whole picture.
     Result<Histogram> histogram(const Recipe& recipe, const develop::Size& size, const ViewOptions& options = {});
     Result<Probe> probe(const Recipe& recipe, const develop::Size& size, int x, int y, const Stopped& stopped = {});
+    // Errors: kUsage of files that hold XYZ.
+    Result<ProbedSpectrum> spectrum(const Recipe& recipe, const develop::Size& size, int x, int y, int bins,
+                                    const Stopped& stopped = {});
+    // How noisy the whole picture is before noise is removed, in areas of NoiseMap::kSide pixels: as `latent-inspect noise` says
+    // it.
+    Result<develop::NoiseMap> noise(const Recipe& recipe, const develop::Size& size, const Stopped& stopped = {});
 
  private:
     using Picture = std::shared_ptr<const KeptPicture>;

@@ -1,7 +1,7 @@
 // The darkroom's page. What it shows and keeps is a recipe; every control reads its value from there and writes it back.
 // @ts-check
 /* global OpenSeadragon */
-export {};
+import { plot_spectrum, short } from "./plot.js";
 
 /** @typedef {{[key: string]: any}} Section */
 /** @typedef {{"latent-recipe": number, develop?: Section, convert?: Section}} Recipe */
@@ -234,6 +234,10 @@ async function update() {
     clearTimeout(late);
   }
   running = false;
+  const shown = turn;
+  await probe_again();
+  await show_noise();
+  if (turn !== shown) return;
   document.body.dataset.recipe = JSON.stringify(recipe);
   document.body.dataset.settled = view ?? "";
   keep_lights_apart();
@@ -482,7 +486,7 @@ for (const { name, replaceable } of state.light_groups) {
     return input;
   };
   const lamp = add_choice("lamps", { placeholder: "Lamp", title: replaceable ? "Its spectrum: kelvin, or the name of a light" : "The lights of this name have different spectra, or their spectrum is not known", disabled: !replaceable });
-  const gel = add_choice("filters", { placeholder: "Gel", title: "Filters before it, separated by commas" });
+  const gel = add_choice("filters", { placeholder: "Gel" });
   stops.addEventListener("input", () => put_light(name, { factor: 2 ** Number(stops.value) }));
   lamp.addEventListener("change", () => {
     const spectrum = is_kelvin(lamp.value) ? parseFloat(lamp.value) + "K" : lamp.value.trim();
@@ -503,6 +507,7 @@ for (const { name, replaceable } of state.light_groups) {
     output.textContent = muted ? "off" : signed(value);
     lamp.value = s.spectrum;
     gel.value = s.gels.join(",");
+    gel.title = gel.value || "Filters before it, separated by commas";
     off.setAttribute("aria-pressed", String(muted));
     solo.setAttribute("aria-pressed", String(!muted && groups.length > 1 && groups.every((n) => n === name || setting_of(n).factor === 0)));
   });
@@ -581,17 +586,51 @@ function set_mode(next) {
   $("picture").style.cursor = mode ? "crosshair" : "";
 }
 for (const id of modes) $(id).addEventListener("click", () => set_mode(id));
-viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
-  if ((mode !== "probe" && mode !== "pick") || !event.quick || !view) return;
-  const point = viewer.viewport.pointFromPixel(event.position), w = print_width();
-  const x = Math.floor(point.x * w), y = Math.floor(point.y * w);
-  if (x < 0 || y < 0 || x >= w || y >= height_of(w)) return;
+/** What is probed: a place in widths of the picture. @type {{x: number, y: number} | undefined} */
+let probed;
+let probed_view = ""; // of the numbers that are shown
+const kBins = 47;     // of the spectrum: 10 nm
+/** The numbers of the print there, or of a square of its pixels as one. */
+async function probe() {
+  if (!probed || !view) return undefined;
+  const side = Number($("probe-side").value), w = Math.ceil(print_width() / side), pixel = print_width() / w, x = inside(probed.x, w), y = inside(probed.y, height_of(w), w);
+  const at = `view=${view}&width=${w}&x=${x}&y=${y}&${in_turn(false)}`, digits = (/** @type {number} */ v) => v.toPrecision(4);
+  probed_view = view;
+  const p = await ask(`probe?${at}`);
+  $("probed").textContent = `${side > 1 ? `${pixel.toFixed(1)} × ${pixel.toFixed(1)} pixels from` : "pixel"} ${Math.round(x * pixel)}, ${Math.round(y * pixel)}: ${Math.round(p.samples)} samples\n` +
+    (p.xy ? ["X", "Y", "Z"] : ["R", "G", "B"]).map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
+    (p.xy ? `\nx, y ${p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(", ")}` : `\nof ${p.observer}`) + `\nRGB ${p.rgb.join(", ")}`;
+  if (state.spectral && mode !== "pick") show_spectrum(await ask(`spectrum?${at}&bins=${kBins}`));
+  return p;
+}
+/** @param {any} spectrum */
+function show_spectrum(spectrum) {
+  plot_spectrum($("plot"), spectrum);
+  const { values, standard_errors, from_nm, to_nm } = spectrum, peak = values.indexOf(Math.max(...values)), nm = (to_nm - from_nm) / values.length;
+  const share = 100 * Math.sqrt(standard_errors.reduce((/** @type {number} */ s, /** @type {number} */ e) => s + e * e, 0) / values.reduce((/** @type {number} */ s, /** @type {number} */ v) => s + v * v, 1e-300));
+  const text = `most at ${Math.round(from_nm + (peak + 0.5) * nm)} nm: ${short(values[peak], 3)} ± ${short(standard_errors[peak], 2)} W/(m² sr nm); in steps of ${nm} nm, ± ${short(share, 2)} %`;
+  $("plot").setAttribute("aria-label", `Spectrum of the light, ${text}`);
+  $("spectrum").hidden = false;
+  $("spectrum").lastElementChild.textContent = text;
+}
+/** Numbers never stay from another print. */
+async function probe_again() {
+  if (!probed || probed_view === view) return;
+  try { await probe(); } catch (error) { if (!(/** @type {any} */ (error).superseded)) show_error(error); }
+}
+$("probe-side").addEventListener("change", () => { probed_view = ""; probe_again(); });
+
+/** @param {any} position pixels of the screen */
+async function use_pointer(position) {
+  if ((mode !== "probe" && mode !== "pick") || !view) return;
+  const point = viewer.viewport.pointFromPixel(position);
+  if (point.x < 0 || point.y < 0 || point.x >= 1 || point.y >= state.aspect[1] / state.aspect[0]) return;
+  probed = { x: point.x, y: point.y };
+  const old = $("mark");
+  if (old) viewer.removeOverlay(old);
+  viewer.addOverlay({ element: Object.assign(document.createElement("div"), { id: "mark" }), location: point, placement: OpenSeadragon.Placement.CENTER });
   try {
-    const p = await ask(`probe?view=${view}&width=${w}&x=${x}&y=${y}`);
-    const digits = (/** @type {number} */ v) => v.toPrecision(4);
-    $("probed").textContent = `pixel ${x}, ${y}: ${Math.round(p.samples)} samples\n` +
-      (p.xy ? ["X", "Y", "Z"] : ["R", "G", "B"]).map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
-      (p.xy ? `\nx, y ${p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(", ")}` : `\nof ${p.observer}`) + `\nRGB ${p.rgb.join(", ")}`;
+    const p = await probe();
     if (mode === "pick") {
       if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
       put("convert", "white", p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(","));
@@ -601,7 +640,53 @@ viewer.addHandler("canvas-click", async (/** @type {any} */ event) => {
   } catch (error) {
     show_error(error);
   }
-});
+}
+viewer.addHandler("canvas-click", (/** @type {any} */ event) => { if (event.quick) use_pointer(event.position); });
+
+// --- Noise: the standard error of Y in areas of the print, over it.
+
+const kNoise = [{ from: 0.01, colour: "#4575b4" }, { from: 0.02, colour: "#fee090" }, { from: 0.05, colour: "#fc8d59" }, { from: 0.1, colour: "#d73027" }];
+const percent = (/** @type {number} */ v) => `${Number((100 * v).toPrecision(2))} %`;
+let noisy_light = ""; // that the map is of
+function hide_noise() {
+  const old = $("noise-map");
+  if (old) viewer.removeOverlay(old);
+  $("noise-told").replaceChildren();
+  noisy_light = "";
+}
+async function show_noise() {
+  const light = `${light_of(recipe)} ${state.samples}`;
+  if (!$("noise").checked) return hide_noise();
+  if (!view || light === noisy_light) return;
+  let width = print_width();
+  while (Math.max(width, height_of(width)) > 2048) width = Math.ceil(width / 2);
+  try {
+    const map = await ask(`noise?view=${view}&width=${width}&${in_turn(false)}`), finer = print_width() / width; // pixels have fewer samples
+    if (!$("noise").checked) return;
+    hide_noise();
+    noisy_light = light;
+    const canvas = Object.assign(document.createElement("canvas"), { id: "noise-map", width: map.columns, height: map.rows });
+    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    map.relative.forEach((/** @type {number | null} */ relative, /** @type {number} */ i) => {
+      const level = kNoise.findLast(({ from }) => (relative ?? 0) * finer >= from);
+      if (!level) return;
+      context.fillStyle = level.colour;
+      context.fillRect(i % map.columns, Math.floor(i / map.columns), 1, 1);
+    });
+    viewer.addOverlay({ element: canvas, location: new OpenSeadragon.Rect(0, 0, map.columns * map.side / width, map.rows * map.side / width) });
+    $("noise-told").append(`Standard error of a pixel: half above ${percent(map.median * finer)}, 5 % above ${percent(map.p95 * finer)}.`);
+    for (const { from, colour } of kNoise) {
+      const swatch = document.createElement("i");
+      swatch.style.background = colour;
+      $("noise-told").append(swatch, `from ${percent(from)}`);
+    }
+    if (get("develop", "denoise")) $("noise-told").append(" Before it is removed.");
+    if (finer > 1) $("noise-told").append(` (from pixels ${finer.toPrecision(2)} times as wide)`);
+  } catch (error) {
+    if (!(/** @type {any} */ (error).superseded)) show_error(error);
+  }
+}
+$("noise").addEventListener("change", show_noise);
 
 // --- Dodge and burn: what the pointer draws becomes a part of the print with light of its own.
 
@@ -830,7 +915,8 @@ document.addEventListener("keydown", (event) => {
   /** @type {{[key: string]: () => void}} */
   const keys = {
     "?": () => $("keys").showModal(), ",": () => third(-1), ".": () => third(1), f: () => viewer.viewport.goHome(), 1: () => $("one").click(),
-    c: compare, d: () => set_mode("brush"), p: () => set_mode("probe"), Escape: () => set_mode(""),
+    c: compare, n: () => $("noise").click(), d: () => set_mode("brush"), p: () => set_mode("probe"),
+    Enter: () => { if (event.target === viewer.canvas || event.target === document.body) use_pointer(viewer.viewport.pixelFromPoint(viewer.viewport.getCenter())); }, Escape: () => set_mode(""),
   };
   keys[event.key]?.();
 });

@@ -37,6 +37,7 @@ constexpr std::size_t kThreads = 64;         // connections at a time
 constexpr time_t kPatience = 2;              // seconds that one may say nothing
 constexpr std::size_t kLongestBody = 65536;  // a recipe, and what goes with it
 constexpr int kLargestTile = 2048;           // pixels a side
+constexpr std::uint64_t kMostBins = 470;     // of a spectrum, from 360 to 830 nm
 
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
@@ -241,6 +242,8 @@ class HttpServer final : public Server {
         http_.Get(at("api/histogram"),
                   [this](const Request& request, Response& response) { answer(response, histogram(request)); });
         http_.Get(at("api/probe"), [this](const Request& request, Response& response) { answer(response, probe(request)); });
+        http_.Get(at("api/spectrum"), [this](const Request& request, Response& response) { answer(response, spectrum(request)); });
+        http_.Get(at("api/noise"), [this](const Request& request, Response& response) { answer(response, noise(request)); });
     }
 
     void add_folder() {
@@ -367,13 +370,21 @@ class HttpServer final : public Server {
                     {"out_of_gamut", histogram->out_of_gamut}};
     }
 
+    struct Place {
+        int x = 0, y = 0;  // of a pixel
+    };
+    static Result<Place> place(const Request& request, const develop::Size& size) {
+        const Result<std::uint64_t> x = number(request, "x", size.width - 1), y = number(request, "y", size.height - 1);
+        if (!x || !y) return x ? y.error() : x.error();
+        return Place{static_cast<int>(*x), static_cast<int>(*y)};
+    }
+
     Result<Json> probe(const Request& request) {
         const Result<Asked> view = asked(request);
         if (!view) return view.error();
-        const Result<std::uint64_t> x = number(request, "x", view->size.width - 1), y = number(request, "y", view->size.height - 1);
-        if (!x || !y) return x ? y.error() : x.error();
-        const Result<Probe> probe =
-            engine_.probe(view->recipe, view->size, static_cast<int>(*x), static_cast<int>(*y), view->options.stopped);
+        const Result<Place> at = place(request, view->size);
+        if (!at) return at.error();
+        const Result<Probe> probe = engine_.probe(view->recipe, view->size, at->x, at->y, view->options.stopped);
         if (!probe) return probe.error();
         Json json{{"observer", probe->observer.empty() ? "cie1931" : probe->observer},
                   {"values", probe->values},
@@ -383,6 +394,41 @@ class HttpServer final : public Server {
         const double sum = probe->values[0] + probe->values[1] + probe->values[2];
         if (probe->observer.empty() && sum > 0) json["xy"] = {probe->values[0] / sum, probe->values[1] / sum};
         return json;
+    }
+
+    Result<Json> spectrum(const Request& request) {
+        const Result<Asked> view = asked(request);
+        if (!view) return view.error();
+        const Result<Place> at = place(request, view->size);
+        if (!at) return at.error();
+        const Result<std::uint64_t> bins = number(request, "bins", kMostBins);
+        if (!bins || *bins == 0) return bins ? usage_error("bins: at least one is needed") : bins.error();
+        const Result<ProbedSpectrum> spectrum =
+            engine_.spectrum(view->recipe, view->size, at->x, at->y, static_cast<int>(*bins), view->options.stopped);
+        if (!spectrum) return spectrum.error();
+        return Json{{"from_nm", spectrum->from_nm},
+                    {"to_nm", spectrum->to_nm},
+                    {"values", spectrum->values},
+                    {"standard_errors", spectrum->standard_errors},
+                    {"samples", spectrum->samples}};
+    }
+
+    Result<Json> noise(const Request& request) {
+        const Result<Asked> view = asked(request);
+        if (!view) return view.error();
+        const Result<develop::NoiseMap> map = engine_.noise(view->recipe, view->size, view->options.stopped);
+        if (!map) return map.error();
+        Json relative = Json::array();  // NaN becomes null
+        for (std::size_t row = 0; row < map->rows(); ++row) {
+            for (std::size_t column = 0; column < map->columns(); ++column) relative.push_back(map->relative(column, row));
+        }
+        const develop::Percentiles all = map->relative();
+        return Json{{"side", develop::NoiseMap::kSide},
+                    {"columns", map->columns()},
+                    {"rows", map->rows()},
+                    {"relative", relative},
+                    {"median", all.median},
+                    {"p95", all.p95}};
     }
 
     Result<Json> new_print(const std::string& body) {
