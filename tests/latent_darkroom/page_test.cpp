@@ -214,6 +214,29 @@ TEST_F(DarkroomPage, APrintForAPaperHasItsPixels) {
     EXPECT_TRUE(bytes_of("kept/small.tif") == bytes_of("same.tif"));
 }
 
+TEST_F(DarkroomPage, RecipesAreRenamedDuplicatedAndLoaded) {
+    const Json seen = drive({{{"set", {{"name", "dusk"}, {"stops", "-1"}}}},
+                             {{"click", "save"}},
+                             {{"click", "duplicate"}, {"tell", "#recipes option"}},
+                             {{"set", {{"stops", "2"}, {"name", "noon"}}}},
+                             {{"click", "rename"}, {"tell", "#recipes option"}},
+                             {{"set", {{"recipes", "noon"}}}, {"tell", "#rename"}},
+                             {{"set", {{"name", "dusk"}}}},
+                             {{"click", "rename"}}});
+    const auto names = [&](const Json& told) {
+        std::string all;
+        for (const Json& option : told) all += option["text"].get<std::string>() + ";";
+        return all;
+    };
+    EXPECT_EQ(names(seen[2]["told"]), ";dusk;dusk 2;");
+    EXPECT_EQ(names(seen[4]["told"]), ";dusk;noon;");
+    EXPECT_EQ(seen[4]["recipe"]["convert"]["stops"], 2);  // what is shown stays
+    EXPECT_EQ(seen[5]["recipe"]["convert"]["stops"], -1);
+    EXPECT_TRUE(seen[5]["told"][0].contains("disabled"));
+    EXPECT_EQ(seen[7]["error"], "there is a recipe of the name dusk already");
+    EXPECT_EQ(get("api/recipes"), Json({"dusk", "noon"}));
+}
+
 TEST_F(DarkroomPage, TheNoiseMapFollowsTheLight) {
     const Json seen = drive({{{"key", "n"}, {"wait", "#noise-map"}, {"tell", "#noise-told"}, {"shot", "noise.png"}},
                              {{"set", {{"stops", "1"}}}, {"tell", "#noise-told"}},

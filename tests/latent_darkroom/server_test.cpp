@@ -128,6 +128,28 @@ TEST_F(DarkroomServer, RecipesComeBackAsTheyWereSaved) {
     EXPECT_EQ(get("api/recipes"), Json({"dusk", "\u00e9t\u00e9 <b>"}));
 }
 
+TEST_F(DarkroomServer, RecipesAreRenamedAndCopiedAndNoneIsLost) {
+    const Json dusk{{"latent-recipe", 1}, {"convert", {{"stops", -1.25}}}}, noon{{"latent-recipe", 1}};
+    const auto post = [&](const std::string& name, const Json& body) {
+        return client_->Post(base_ + "api/recipes/" + name, body.dump(), "application/json")->status;
+    };
+    client_->Put(base_ + "api/recipes/dusk", dusk.dump(), "application/json");
+    client_->Put(base_ + "api/recipes/noon", noon.dump(), "application/json");
+    EXPECT_EQ(post("dusk", {{"rename", "noon"}}), 409);
+    EXPECT_EQ(post("dusk", {{"rename", "dusk"}}), 409);
+    EXPECT_EQ(post("dusk", {{"copy", "noon"}}), 409);
+    EXPECT_EQ(post("dawn", {{"copy", "day"}}), 404);
+    for (const Json& bad : {Json{{"rename", "../dusk"}}, Json{{"copy", ".dusk"}}, Json{{"copy", 1}}, Json::object(), Json()})
+        EXPECT_EQ(post("dusk", bad), 400) << bad;
+    EXPECT_EQ(get("api/recipes"), Json({"dusk", "noon"}));
+    EXPECT_EQ(post("dusk", {{"copy", "dusk 2"}}), 200);
+    EXPECT_EQ(post("dusk", {{"rename", "evening"}}), 200);
+    EXPECT_EQ(get("api/recipes"), Json({"dusk 2", "evening", "noon"}));
+    EXPECT_EQ(get("api/recipes/dusk%202"), dusk);
+    EXPECT_EQ(get("api/recipes/evening"), dusk);
+    EXPECT_EQ(get("api/recipes/noon"), noon);
+}
+
 TEST_F(DarkroomServer, OnlyItsOwnPagesAreAnswered) {
     const std::string state = base_ + "api/state", host = "127.0.0.1:" + std::to_string(port_);
     EXPECT_EQ(status_of(state), 200);

@@ -835,18 +835,38 @@ $("eye-recipes").addEventListener("click", carefully(async () => show_sheet("Sav
 async function load_recipe(/** @type {string} */ name) {
   recipe = await read_recipe(name);
   $("name").value = name;
+  $("recipes").value = name;
+  show_names();
   view = undefined;
   changed();
 }
 
-/** @param {string[]} names */
-function list_recipes(names) {
+/** @param {string[]} names @param {string} loaded */
+function list_recipes(names, loaded) {
   $("recipes").replaceChildren(new Option(""), ...names.map((name) => new Option(name)));
+  $("recipes").value = loaded;
+  show_names();
 }
-list_recipes(state.recipes);
-$("save").addEventListener("click", carefully(async () => {
-  await ask(`recipes/${encodeURIComponent($("name").value)}`, { method: "PUT", body: JSON.stringify(recipe) });
-  list_recipes(await ask("recipes"));
+function show_names() {
+  const loaded = $("recipes").value;
+  $("rename").disabled = !loaded || $("name").value === loaded;
+  $("duplicate").disabled = !loaded;
+}
+$("name").addEventListener("input", show_names);
+list_recipes(state.recipes, "");
+/** @param {string} name @param {RequestInit} how @param {string} loaded */
+async function change_recipe(name, how, loaded) {
+  await ask(`recipes/${encodeURIComponent(name)}`, how);
+  $("name").value = loaded;
+  list_recipes(await ask("recipes"), loaded);
+}
+$("save").addEventListener("click", carefully(() => change_recipe($("name").value, { method: "PUT", body: JSON.stringify(recipe) }, $("name").value)));
+$("rename").addEventListener("click", carefully(() => change_recipe($("recipes").value, { method: "POST", body: JSON.stringify({ rename: $("name").value }) }, $("name").value)));
+$("duplicate").addEventListener("click", carefully(async () => {
+  const from = $("recipes").value, names = await ask("recipes"), [, stem] = /^(.*?)(?: \d+)?$/.exec(from) ?? [];
+  let copy = from;
+  for (let i = 2; names.includes(copy); ++i) copy = `${stem} ${i}`;
+  await change_recipe(from, { method: "POST", body: JSON.stringify({ copy }) }, copy);
 }));
 $("recipes").addEventListener("change", carefully(async () => {
   if ($("recipes").value) await load_recipe($("recipes").value);

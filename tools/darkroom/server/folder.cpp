@@ -53,15 +53,32 @@ Result<Recipe> Folder::recipe(const std::string& name) const {
     return read_recipe(*path);
 }
 
-Status Folder::save(const std::string& name, const Recipe& recipe) const {
+Status Folder::save(const std::string& name, const Recipe& recipe, bool replace) const {
     const Result<std::filesystem::path> path = file(name + ".json");
     if (!path) return path.error();
     if (const Result<std::string> fits = recipe_text(recipe); !fits) return fits.error();
-    Result<OutputFile> out = OutputFile::create(*path, true);
+    Result<OutputFile> out = OutputFile::create(*path, replace);
     if (!out) return out.error();
     const std::string text = recipe.dump(2, ' ', true) + "\n";
     if (Status s = out->file().write_all(0, std::as_bytes(std::span(text))); !s) return s;
     return out->publish();
+}
+
+Status Folder::copy(const std::string& name, const std::string& to) const {
+    const Result<Recipe> kept = recipe(name);
+    if (!kept) return kept.error();
+    const Status saved = save(to, *kept, false);
+    if (!saved && saved.error().code == ErrorCode::kExists)
+        return Error{ErrorCode::kExists, fmt::format("there is a recipe of the name {} already", to)};
+    return saved;
+}
+
+Status Folder::rename(const std::string& name, const std::string& to) const {
+    if (Status s = copy(name, to); !s) return s;
+    std::error_code error;
+    std::filesystem::remove(*file(name + ".json"), error);
+    if (error) return Error{ErrorCode::kIo, fmt::format("{}: {}", name, error.message())};
+    return {};
 }
 
 }  // namespace latent::darkroom

@@ -24,8 +24,11 @@ class Folder {
     // ICC profiles in it, and those that the system has: paths, at most 200 of each.
     std::vector<std::string> profiles() const;
     Result<Recipe> recipe(const std::string& name) const;
-    // Replaces the one of that name, as a whole or not at all.
-    Status save(const std::string& name, const Recipe& recipe) const;
+    // As a whole or not at all. Errors: kExists, unless it replaces the one of that name.
+    Status save(const std::string& name, const Recipe& recipe, bool replace) const;
+    // Errors: kExists, if there is one of that name.
+    Status copy(const std::string& name, const std::string& to) const;
+    Status rename(const std::string& name, const std::string& to) const;
 
  private:
     std::filesystem::path path_;

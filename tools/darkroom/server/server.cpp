@@ -254,9 +254,10 @@ class HttpServer final : public Server {
             const std::optional<std::string> body = body_of(reader);
             if (!body) return;
             const Result<Recipe> recipe = parse_recipe(*body);
-            const Status saved = recipe ? folder_.save(request.matches[1], *recipe) : Status(recipe.error());
+            const Status saved = recipe ? folder_.save(request.matches[1], *recipe, true) : Status(recipe.error());
             answer(response, saved ? Result<Json>(Json{{"saved", std::string(request.matches[1])}}) : saved.error());
         });
+        post("api/recipes/(.+)", [this](const Request& request, const std::string& body) { return recipe_moved(request, body); });
         http_.Get(at("api/prints"), [this](const Request&, Response& response) {
             Json jobs = Json::array();
             for (const PrintJob& job : prints_.list())
@@ -429,6 +430,16 @@ class HttpServer final : public Server {
                     {"relative", relative},
                     {"median", all.median},
                     {"p95", all.p95}};
+    }
+
+    Result<Json> recipe_moved(const Request& request, const std::string& body) {
+        const Json order = Json::parse(body, nullptr, false);
+        const bool copies = order.is_object() && order.contains("copy");
+        const Json to = order.is_object() ? order.value(copies ? "copy" : "rename", Json()) : Json();
+        if (!to.is_string()) return usage_error("an object with the new name is needed, as copy or rename");
+        const std::string name = request.matches[1];
+        if (Status s = copies ? folder_.copy(name, to) : folder_.rename(name, to); !s) return s.error();
+        return Json{{"saved", to}};
     }
 
     Result<Json> new_print(const std::string& body) {
