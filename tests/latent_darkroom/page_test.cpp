@@ -254,6 +254,39 @@ TEST_F(DarkroomPage, TheNoiseMapFollowsTheLight) {
     EXPECT_EQ(seen[4]["error"], "");
 }
 
+// The picture has 936 x 624 pixels of the screen, from 0,48 on.
+TEST_F(DarkroomPage, CropsAreDrawnAndMeasuredByRulers) {
+    const Json seen =
+        drive({{{"click", "draw"}},
+               {{"drag", {{234, 204}, {300, 300}, {702, 516}}}, {"shot", "drawn.png"}},
+               {{"key", "r"}, {"tell", "#ruler-across text, #ruler-unit, #frame"}},
+               {{"set", {{"dpi", "254"}}}, {"tell", "#ruler-across text, #ruler-unit, #frame"}, {"shot", "rulers.png"}},
+               {{"set", {{"paper-width", "6"}, {"paper-height", "3"}, {"in-shape", true}}}},
+               {{"key", "f"}},
+               {{"click", "draw"}},
+               {{"drag", {{249, 217}, {300, 300}, {707, 446}}}, {"tell", "#on-paper"}}});
+    for (const Json& step : seen) EXPECT_EQ(step["error"], "");
+    EXPECT_EQ(seen[1]["recipe"]["develop"]["crop"], "75,50,225,150");
+    const auto expect_ruler = [&](const Json& told, const std::string& unit_name, double pixels) {
+        ASSERT_GT(told.size(), 7U);  // the frame of the crop comes first, and the unit last
+        EXPECT_EQ(told.back()["text"], unit_name);
+        const Json& crop = told[0]["rect"];
+        for (std::size_t i = 1; i + 1 < told.size(); ++i) {
+            const double at = crop["x"].get<double>() +
+                              std::stod(told[i]["text"].get<std::string>()) * pixels / 150 * crop["width"].get<double>();
+            EXPECT_NEAR(told[i]["rect"]["x"].get<double>() + told[i]["rect"]["width"].get<double>() / 2, at, 1) << told[i];
+        }
+    };
+    expect_ruler(seen[2]["told"], "px", 1);
+    expect_ruler(seen[3]["told"], "mm", 10);  // 254 pixels an inch
+    EXPECT_EQ(std::string(seen[7]["told"][0]["text"]).find("600 × 300 px, 6.0 × 3.0 cm"), 0U) << seen[7]["told"];
+    const double width = seen[7]["recipe"]["develop"]["size"];
+    EXPECT_NEAR(std::stod(seen[7]["recipe"]["develop"]["crop"].get<std::string>()) / width, 0.25, 0.005);
+    EXPECT_NEAR(600 / width, 0.5, 0.005);
+    make("latent-print", "a.latent", {"--recipe", write("r.json", seen[1]["recipe"].dump()), "-o", path("p.png")});
+    EXPECT_EQ(image::decode_png(path("p.png")).format.width, 150);
+}
+
 // At 1:1, pixels of the print are those of the screen.
 TEST_F(DarkroomPage, TheScreenShowsThePixelsOfThePrint) {
     const Json seen = drive({{{"set", {{"stops", "0.5"}}}}, {{"key", "1"}, {"shot", "one.png"}}});

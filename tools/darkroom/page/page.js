@@ -2,6 +2,7 @@
 // @ts-check
 /* global OpenSeadragon */
 import { plot_spectrum, short } from "./plot.js";
+import { draw_ruler } from "./ruler.js";
 
 /** @typedef {{[key: string]: any}} Section */
 /** @typedef {{"latent-recipe": number, develop?: Section, convert?: Section}} Recipe */
@@ -361,6 +362,7 @@ bind("observer", "develop", "observer", "");
 bind("filter", "develop", "lens-filter", "");
 bind("size", "develop", "size", state.width);
 bind("crop", "develop", "crop", "");
+bind("dpi", "convert", "dpi", "");
 bind("proof", "convert", "proof", "");
 bind("intent", "convert", "intent", "perceptual");
 bind("glare", "convert", "glare", "");
@@ -527,32 +529,38 @@ for (const f of state.lens_filters) $("filters").append(Object.assign(document.c
 
 // --- Crop, in pixels of the print.
 
+function crop() {
+  const numbers = String(get("develop", "crop") ?? "").split(",").map(Number), width = print_width();
+  return numbers.length === 4 ? numbers : [0, 0, width, height_of(width)];
+}
 function show_crop() {
   const old = $("frame");
   if (old) viewer.removeOverlay(old);
-  const numbers = String(get("develop", "crop") ?? "").split(",").map(Number);
-  if (numbers.length !== 4 || viewer.world.getItemCount() === 0) return;
-  const [x0, y0, x1, y1] = numbers.map((n) => n / print_width());
+  show_rulers();
+  if (!get("develop", "crop") || viewer.world.getItemCount() === 0) return;
+  const [x0, y0, x1, y1] = crop().map((n) => n / print_width());
   const frame = Object.assign(document.createElement("div"), { id: "frame", className: "crop" });
   viewer.addOverlay({ element: frame, location: new OpenSeadragon.Rect(x0, y0, x1 - x0, y1 - y0) });
 }
-$("cut").addEventListener("click", () => {
-  const bounds = viewer.viewport.getBounds(true), w = print_width(), h = height_of(w);
+/** @param {any} area OpenSeadragon.Rect in widths of the picture */
+function crop_to(area) {
+  const w = print_width(), h = height_of(w);
   const edge = (/** @type {number} */ v, /** @type {number} */ most) => Math.round(Math.min(Math.max(v * w, 0), most));
-  const crop = [edge(bounds.x, w), edge(bounds.y, h), edge(bounds.x + bounds.width, w), edge(bounds.y + bounds.height, h)];
-  if (crop[0] < crop[2] && crop[1] < crop[3]) put("develop", "crop", crop.join(","));
+  const wanted = [edge(area.x, w), edge(area.y, h), edge(area.x + area.width, w), edge(area.y + area.height, h)];
+  if (wanted[0] < wanted[2] && wanted[1] < wanted[3]) put("develop", "crop", wanted.join(","));
   changed();
-});
-$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); put("convert", "dpi", undefined); changed(); });
+}
+$("cut").addEventListener("click", () => crop_to(viewer.viewport.getBounds(true)));
+$("uncut").addEventListener("click", () => { put("develop", "crop", undefined); changed(); });
 
-// The shape of the paper, as large as fits into what is in view, gets the pixels that the paper has: so the width of the whole picture
-// follows.
-$("to-paper").addEventListener("click", () => {
-  const dpi = Number($("dpi").value), [across, down] = [$("paper-width"), $("paper-height")].map((side) => Math.round(Number(side.value) / 2.54 * dpi));
+/** The shape of the paper, as large as fits into the area, gets the pixels that the paper has: so the width of the whole picture follows.
+ * @param {any} area OpenSeadragon.Rect in widths of the picture */
+function crop_to_paper(area) {
+  const dpi = Number($("dpi").value || $("dpi").placeholder), [across, down] = [$("paper-width"), $("paper-height")].map((side) => Math.round(Number(side.value) / 2.54 * dpi));
   if (!(dpi > 0 && across > 0 && down > 0)) return;
-  const bounds = viewer.viewport.getBounds(true), top = 1 / (state.aspect[0] / state.aspect[1]);
-  const x0 = Math.max(bounds.x, 0), y0 = Math.max(bounds.y, 0);
-  const w = Math.min(bounds.x + bounds.width, 1) - x0, h = Math.min(bounds.y + bounds.height, top) - y0;
+  const top = 1 / (state.aspect[0] / state.aspect[1]);
+  const x0 = Math.max(area.x, 0), y0 = Math.max(area.y, 0);
+  const w = Math.min(area.x + area.width, 1) - x0, h = Math.min(area.y + area.height, top) - y0;
   if (!(w > 0 && h > 0)) return;
   const part = Math.min(w, h * across / down);  // of the picture's width
   const width = Math.ceil(across / part), height = height_of(width);
@@ -562,23 +570,37 @@ $("to-paper").addEventListener("click", () => {
   put("convert", "dpi", dpi);
   view = undefined;
   changed();
-});
+}
+$("to-paper").addEventListener("click", () => crop_to_paper(viewer.viewport.getBounds(true)));
 shows.push(() => {
-  const dpi = get("convert", "dpi"), width = print_width(), numbers = String(get("develop", "crop") ?? "").split(",").map(Number);
-  const [x0, y0, x1, y1] = numbers.length === 4 ? numbers : [0, 0, width, height_of(width)];
+  const dpi = get("convert", "dpi"), width = print_width(), [x0, y0, x1, y1] = crop();
   const cm = (/** @type {number} */ pixels) => (pixels / dpi * 2.54).toFixed(1);
   $("on-paper").textContent = `${x1 - x0} × ${y1 - y0} px${dpi ? `, ${cm(x1 - x0)} × ${cm(y1 - y0)} cm` : ""}, ${(state.samples / (width * height_of(width))).toPrecision(3)} samples each`;
-  if (dpi) $("dpi").value = dpi;
 });
+
+function show_rulers() {
+  const main = /** @type {HTMLElement} */ ($("picture").parentElement), dpi = get("convert", "dpi"), width = print_width();
+  main.classList.toggle("ruled", $("rulers").checked);
+  if (!$("rulers").checked) return;
+  const origin = viewer.viewport.pixelFromPoint(new OpenSeadragon.Point(0, 0), true);
+  const pixel = (viewer.viewport.pixelFromPoint(new OpenSeadragon.Point(1, 0), true).x - origin.x) / width, unit = dpi ? pixel * dpi / 25.4 : pixel;
+  const [x0, y0, x1, y1] = crop().map((n) => n * pixel);
+  draw_ruler($("ruler-across"), "across", { length: $("picture").clientWidth, zero: origin.x + x0, unit, from: origin.x + x0, to: origin.x + x1 });
+  draw_ruler($("ruler-down"), "down", { length: $("picture").clientHeight, zero: origin.y + y0, unit, from: origin.y + y0, to: origin.y + y1 });
+  $("ruler-unit").textContent = dpi ? "mm" : "px";
+}
+$("rulers").addEventListener("change", show_rulers);
+viewer.addHandler("update-viewport", show_rulers);
+viewer.addHandler("resize", show_rulers);
 $("size").addEventListener("change", () => { put("develop", "crop", undefined); view = undefined; });
 
 // --- Probe, and picking a neutral.
 
-/** What the pointer does in the picture. @typedef {"" | "probe" | "pick" | "brush" | "gradient"} Mode */
+/** What the pointer does in the picture. @typedef {"" | "probe" | "pick" | "brush" | "gradient" | "draw"} Mode */
 /** @type {Mode} */
 let mode = "";
 /** @type {Mode[]} */
-const modes = ["probe", "pick", "brush", "gradient"];
+const modes = ["probe", "pick", "brush", "gradient", "draw"];
 /** @param {Mode} next */
 function set_mode(next) {
   mode = mode === next ? "" : next;
@@ -688,17 +710,33 @@ async function show_noise() {
 }
 $("noise").addEventListener("change", show_noise);
 
-// --- Dodge and burn: what the pointer draws becomes a part of the print with light of its own.
+// --- Dodge and burn: what the pointer draws becomes a part of the print with light of its own; or its crop.
 
 /** The pixels of the screen that the pointer went through. @type {any[]} */
 let drawn = [];
-const painting = () => mode === "brush" || mode === "gradient";
+const painting = () => mode === "brush" || mode === "gradient" || mode === "draw";
+/** Between the first place and the last, in pixels of the screen. */
+function drawn_area() {
+  const [a, b] = [drawn[0], drawn[drawn.length - 1]];
+  let w = Math.abs(b.x - a.x), h = Math.abs(b.y - a.y);
+  if ($("in-shape").checked) {
+    const shape = $("paper-width").value / $("paper-height").value;
+    w = Math.max(w, h * shape);
+    h = w / shape;
+  }
+  return new OpenSeadragon.Rect(b.x < a.x ? a.x - w : a.x, b.y < a.y ? a.y - h : a.y, w, h);
+}
+function outline() {
+  if (mode !== "draw" || drawn.length < 2) return drawn;
+  const area = drawn_area(), corners = [area.getTopLeft(), area.getTopRight(), area.getBottomRight(), area.getBottomLeft()];
+  return [...corners, corners[0]];
+}
 /** The longer side of the picture, where its width is 1. */
 const longer = () => Math.max(1, state.aspect[1] / state.aspect[0]);
 function show_stroke() {
   const brush = mode === "brush", origin = viewer.viewport.pixelFromPoint(new OpenSeadragon.Point(0, 0), true);
   const one = viewer.viewport.pixelFromPoint(new OpenSeadragon.Point(1, 0), true).x - origin.x;
-  const line = $("stroke").firstElementChild, points = drawn.length === 1 ? [drawn[0], drawn[0]] : drawn;
+  const line = $("stroke").firstElementChild, points = drawn.length === 1 ? [drawn[0], drawn[0]] : outline();
   $("stroke").toggleAttribute("hidden", drawn.length === 0);
   line.setAttribute("points", points.map((p) => `${p.x},${p.y}`).join(" "));
   line.setAttribute("stroke-width", String(brush ? 2 * Number($("dodge-radius").value) * longer() * one : 2));
@@ -711,17 +749,22 @@ viewer.addHandler("canvas-press", (/** @type {any} */ event) => {
 viewer.addHandler("canvas-drag", (/** @type {any} */ event) => {
   if (!painting() || drawn.length === 0) return;
   event.preventDefaultAction = true;
-  const least = mode === "brush" ? 8 : 0; // pixels of the screen between two places of a line
-  if (mode === "gradient") drawn = [drawn[0], event.position];
+  const least = 8; // pixels of the screen between two places of a line
+  if (mode !== "brush") drawn = [drawn[0], event.position];
   else if (event.position.distanceTo(drawn[drawn.length - 1]) >= least) drawn.push(event.position);
   show_stroke();
 });
 viewer.addHandler("canvas-drag-end", (/** @type {any} */ event) => { if (painting()) event.preventDefaultAction = true; });
 viewer.addHandler("canvas-release", () => {
-  const line = drawn;
+  const line = drawn, area = line.length > 1 ? drawn_area() : undefined;
   drawn = [];
   show_stroke();
-  if (!painting() || line.length === 0 || (mode === "gradient" && line.length < 2)) return;
+  if (!painting() || line.length === 0 || (mode !== "brush" && !area)) return;
+  if (mode === "draw") {
+    const chosen = viewer.viewport.viewerElementToViewportRectangle(area);
+    set_mode("");
+    return $("in-shape").checked ? crop_to_paper(chosen) : crop_to(chosen);
+  }
   const top = state.aspect[1] / state.aspect[0], digits = (/** @type {number} */ v) => String(Number(v.toFixed(4)));
   const places = line.flatMap((p) => { const at = viewer.viewport.pointFromPixel(p, true); return [digits(at.x), digits(at.y / top)]; });
   const stops = Number($("dodge-stops").value), radius = Number($("dodge-radius").value);
@@ -756,7 +799,7 @@ function show_divider() {
   divider.hidden = !held;
   if (!held) return;
   const at = split * $("picture").clientWidth, size = held.getContentSize();
-  divider.style.left = `${at}px`;
+  divider.style.left = `${$("picture").offsetLeft + at}px`;
   divider.setAttribute("aria-valuenow", String(Math.round(100 * split)));
   const x = viewer.viewport.pointFromPixel(new OpenSeadragon.Point(at, 0), true).x * size.x;
   held.setClip(new OpenSeadragon.Rect(0, 0, Math.min(Math.max(x, 0.001), size.x), size.y));
@@ -776,7 +819,7 @@ $("hold").addEventListener("click", compare);
 divider.addEventListener("pointerdown", (/** @type {PointerEvent} */ e) => divider.setPointerCapture(e.pointerId));
 divider.addEventListener("pointermove", (/** @type {PointerEvent} */ e) => {
   if (!divider.hasPointerCapture(e.pointerId)) return;
-  split = Math.min(Math.max(e.clientX / $("picture").clientWidth, 0), 1);
+  split = Math.min(Math.max((e.clientX - $("picture").offsetLeft) / $("picture").clientWidth, 0), 1);
   show_divider();
 });
 divider.addEventListener("keydown", (/** @type {KeyboardEvent} */ e) => {
@@ -935,7 +978,7 @@ document.addEventListener("keydown", (event) => {
   /** @type {{[key: string]: () => void}} */
   const keys = {
     "?": () => $("keys").showModal(), ",": () => third(-1), ".": () => third(1), f: () => viewer.viewport.goHome(), 1: () => $("one").click(),
-    c: compare, n: () => $("noise").click(), d: () => set_mode("brush"), p: () => set_mode("probe"),
+    c: compare, n: () => $("noise").click(), r: () => $("rulers").click(), x: () => set_mode("draw"), d: () => set_mode("brush"), p: () => set_mode("probe"),
     Enter: () => { if (event.target === viewer.canvas || event.target === document.body) use_pointer(viewer.viewport.pixelFromPoint(viewer.viewport.getCenter())); }, Escape: () => set_mode(""),
   };
   keys[event.key]?.();
