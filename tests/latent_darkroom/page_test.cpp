@@ -1,4 +1,6 @@
 // The page in Chromium: what each control shows is what the command line prints.
+#include <fmt/format.h>
+
 #include <fstream>
 
 #include "tests/image/decode.h"
@@ -155,7 +157,7 @@ TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
     scene.insert(scene.find("Shape"), "ActiveTransform EndTime Translate 0.3 0 0 ActiveTransform All\n");
     write("lens.pbrt", scene);
     ASSERT_NO_FATAL_FAILURE(
-        make("latent-render", "lens.pbrt", {"-o", path("lens.latent"), "--samples", "0:65536", "--aov", "lens,time"}));
+        make("latent-render", "lens.pbrt", {"-o", path("lens.latent"), "--samples", "0:65536", "--aov", "lens,time,depth"}));
     child_->send(SIGTERM);
     EXPECT_EQ(child_->wait(), 0);
     std::filesystem::remove(path("address"));
@@ -163,7 +165,10 @@ TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
     const Json seen = drive({Json::object(),
                              {{"set", {{"shutter", "0:0.5"}}}},
                              {{"click", "exposure-follows"}},
-                             {{"set", {{"shutter", ""}, {"aperture", "0.4"}}}}});
+                             {{"set", {{"shutter", ""}, {"aperture", "0.4"}}}},
+                             {{"set", {{"blades", "6"}}}},
+                             {{"click", "focus-here"}, {"shot", "lens.png"}},
+                             {{"at", {468, 360}}}});
     const auto printed_of_lens = [&](const std::vector<std::string>& options) {
         make("latent-print", "lens.latent", with(options, {"-o", path("p.png")}));
         return image::decode_png(path("p.png"));
@@ -176,6 +181,12 @@ TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
     const std::vector<std::string> stopped_down{options[0], options[1], "--exposure-follows", "--aperture", "f:0.4"};
     EXPECT_EQ(seen[3]["error"], "");
     EXPECT_TRUE(is_same(bytes_from_base64(seen[3]["tile"]), printed_of_lens(stopped_down)));
+    const std::vector<std::string> bladed{options[0], options[1], "--exposure-follows", "--aperture", "f:0.4,blades:6"};
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[4]["tile"]), printed_of_lens(bladed)));
+    const double focus = seen[6]["recipe"]["develop"]["focus"];
+    EXPECT_NEAR(focus, 2.2, 0.1);  // the front of the sphere
+    EXPECT_EQ(get("api/distance?width=300&x=0&y=0")["distance"], "infinity");
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[6]["tile"]), printed_of_lens(with(bladed, {"--focus", fmt::format("{}", focus)}))));
 }
 
 // The picture has 936 x 624 pixels of the screen, from 0,48 on.
@@ -212,6 +223,23 @@ TEST_F(DarkroomPage, APrintForAPaperHasItsPixels) {
     const std::string file = write("r.json", seen[1]["recipe"].dump());
     make("latent-print", "a.latent", {"--recipe", file, "-o", path("same.tif")});
     EXPECT_TRUE(bytes_of("kept/small.tif") == bytes_of("same.tif"));
+}
+
+TEST_F(DarkroomPage, FiltersAreFoundAndChosenByEyeAndTheHistoryGoesBack) {
+    const Json seen = drive({{{"set", {{"stops", "1"}}}},
+                             {{"click", "eye-filters"}},
+                             {{"set", {{"find", "25"}}},
+                              {"wait", "#thumbnails button:not([hidden]) img[alt$='wratten-25']"},
+                              {"tell", "#thumbnails button:not([hidden])"},
+                              {"shot", "found.png"}},
+                             {{"click", "#thumbnails button:not([hidden])"}, {"tell", "#history button"}, {"shot", "history.png"}},
+                             {{"click", "#history li:last-child button"}, {"tell", "#history [aria-current]"}}});
+    EXPECT_EQ(seen[2]["told"].size(), 1U) << seen[2]["told"];
+    EXPECT_EQ(seen[3]["recipe"]["develop"]["lens-filter"], "wratten-25");
+    EXPECT_EQ(seen[3]["told"][0]["text"], "lens-filter wratten-25");
+    EXPECT_EQ(seen[3]["told"][1]["text"], "stops 1");
+    EXPECT_EQ(seen[4]["told"][0]["text"], "the beginning");
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[4]["tile"]), printed({})));
 }
 
 TEST_F(DarkroomPage, RecipesAreRenamedDuplicatedAndLoaded) {

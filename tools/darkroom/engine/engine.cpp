@@ -11,6 +11,7 @@
 #include "tools/convert/convert.h"
 #include "tools/darkroom/engine/light_mix.h"
 #include "tools/darkroom/engine/seen_picture.h"
+#include "tools/develop/lens/focus.h"
 #include "tools/develop/lens/lens_columns.h"
 #include "tools/develop/lens/recorded_lens.h"
 #include "tools/develop/lens/shutter.h"
@@ -111,6 +112,15 @@ std::optional<double> Engine::f_number() const {
 }
 
 bool Engine::knows_shutter() const { return develop::place_of_fractions(runs()->job(), "shutter").has_value(); }
+
+bool Engine::knows_depth() const { return develop::place_of(runs()->job(), "depth").has_value(); }
+
+Result<double> Engine::distance(const develop::Size& size, int x, int y) const {
+    const std::shared_ptr<const sampledb::RunSet> all = runs();
+    const Result<develop::RecordedLens> lens = develop::recorded_lens(*all, "--focus");
+    if (!lens) return lens.error();
+    return develop::distance_at(*all, *lens, {static_cast<double>(x), static_cast<double>(y)}, size.width, size.height);
+}
 
 Result<develop::Size> Engine::size_of_width(std::uint32_t width) const {
     return develop::parse_size_on_film(std::to_string(width), runs()->job());

@@ -76,6 +76,9 @@ class Engine {
     std::vector<develop::LightGroup> light_groups() const { return opened().light_groups; }  // none: the files keep none apart
     std::optional<double> f_number() const;  // of the lens, if its aperture can be chosen
     bool knows_shutter() const;              // whether the shutter can be chosen
+    bool knows_depth() const;                // whether there is a `distance`
+    // Along the camera's axis, of what a pixel shows, as --focus X,Y takes it; infinite for the sky. Errors: kUsage.
+    Result<double> distance(const develop::Size& size, int x, int y) const;
     develop::Size default_size() const { return develop::default_size(*runs()); }
     Result<develop::Size> size_of_width(std::uint32_t width) const;
 

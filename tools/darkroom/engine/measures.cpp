@@ -102,7 +102,9 @@ Result<develop::NoiseMap> Engine::noise(const Recipe& denoised, const develop::S
     develop::PictureOptions picture = picture_of(*decisions, size, whole(size));
     picture.layers = {};
     picture.layers.halves = true;
-    const auto make = [this, picture](KeptPicture& made, const Stopped& given_up) { return develop(picture, given_up, made.noise); };
+    const auto make = [this, picture](KeptPicture& made, const Stopped& given_up) {
+        return develop(picture, given_up, made.noise);
+    };
     const Result<Picture> made = kept_or_made(fmt::format("noise {} {}", text_of(size), decisions->of_light()), make, stopped);
     if (!made) return made.error();
     return (*made)->noise;

@@ -310,13 +310,33 @@ function keep(made) {
   }
   show_controls();
 }
-/** @param {number} step */
-function go(step) {
-  if (place + step < 0 || place + step >= history.length) return;
-  place += step;
+/** @param {number} to */
+function go(to) {
+  if (to < 0 || to >= history.length) return;
+  place = to;
   recipe = JSON.parse(history[place]);
   show_controls();
   update();
+}
+
+/** What a recipe changed, in few words. @param {string} text @param {string | undefined} before */
+function change_of(text, before) {
+  if (!before) return "the beginning";
+  const [to, from] = [JSON.parse(text), JSON.parse(before)];
+  return ["develop", "convert"].flatMap((section) => Object.keys({ ...from[section], ...to[section] })
+    .filter((key) => JSON.stringify(to[section]?.[key]) !== JSON.stringify(from[section]?.[key]))
+    .map((key) => `${key} ${to[section]?.[key] ?? "as by default"}`)).join(", ");
+}
+const kListed = 30; // of the history
+function show_history() {
+  const first = Math.max(0, history.length - kListed);
+  $("history").replaceChildren(...history.slice(first).map((text, i) => {
+    const line = document.createElement("li"), what = change_of(text, history[first + i - 1]);
+    const button = line.appendChild(Object.assign(document.createElement("button"), { textContent: what, title: what }));
+    if (first + i === place) button.setAttribute("aria-current", "step");
+    button.addEventListener("click", () => go(first + i));
+    return line;
+  }).reverse());
 }
 
 // --- Controls.
@@ -325,6 +345,7 @@ function go(step) {
 const shows = [];
 function show_controls() {
   for (const show of shows) show();
+  show_history();
   $("undo").disabled = place < 1;
   $("redo").disabled = place > history.length - 2;
   show_crop();
@@ -392,8 +413,17 @@ $("white").addEventListener("change", () => {
 });
 $("kelvin").addEventListener("input", () => { put("convert", "white", `${$("kelvin").value}K`); changed(); });
 
-$("aperture").addEventListener("change", () => { put("develop", "aperture", $("aperture").value && `f:${$("aperture").value}`); changed(); });
-shows.push(() => { $("aperture").value = /^f:([\d.]+)$/.exec(get("develop", "aperture") ?? "")?.[1] ?? ""; });
+// The aperture: "f:8,blades:6", and what else a recipe says of it.
+const aperture_parts = () => String(get("develop", "aperture") ?? "").split(",").filter(Boolean);
+for (const [id, prefix] of [["aperture", "f:"], ["blades", "blades:"]]) {
+  $(id).addEventListener("change", () => {
+    const others = aperture_parts().filter((part) => !part.startsWith(prefix) && !(id === "aperture" && Number.isFinite(Number(part))));
+    put("develop", "aperture", [...others, ...$(id).value ? [prefix + $(id).value] : []].join(","));
+    changed();
+  });
+  shows.push(() => { $(id).value = aperture_parts().find((part) => part.startsWith(prefix))?.slice(prefix.length) ?? ""; });
+}
+bind("focus", "develop", "focus", "");
 
 // --- Film and paper: the exposures of a film need a paper, which decides much of the rest.
 
@@ -520,6 +550,7 @@ for (const light of [...["2700K", "3200K", "4300K", "5600K", "10000K"].map((name
 $("light").hidden = state.light_groups.length === 0;
 $("seen").hidden = !state.spectral;
 $("lens").hidden = state.f_number === null;
+$("focus-here").hidden = !state.depth;
 $("exposing").hidden = !state.shutter;
 $("follows").hidden = state.f_number === null && !state.shutter;
 if (state.f_number !== null) Object.assign($("aperture"), { placeholder: state.f_number.toFixed(1), min: state.f_number.toFixed(1) });
@@ -596,11 +627,11 @@ $("size").addEventListener("change", () => { put("develop", "crop", undefined); 
 
 // --- Probe, and picking a neutral.
 
-/** What the pointer does in the picture. @typedef {"" | "probe" | "pick" | "brush" | "gradient" | "draw"} Mode */
+/** What the pointer does in the picture. @typedef {"" | "probe" | "pick" | "focus-here" | "brush" | "gradient" | "draw"} Mode */
 /** @type {Mode} */
 let mode = "";
 /** @type {Mode[]} */
-const modes = ["probe", "pick", "brush", "gradient", "draw"];
+const modes = ["probe", "pick", "focus-here", "brush", "gradient", "draw"];
 /** @param {Mode} next */
 function set_mode(next) {
   mode = mode === next ? "" : next;
@@ -642,11 +673,25 @@ async function probe_again() {
 }
 $("probe-side").addEventListener("change", () => { probed_view = ""; probe_again(); });
 
+/** @param {{x: number, y: number}} point in widths of the picture */
+async function focus_on(point) {
+  const w = print_width();
+  try {
+    const { distance } = await ask(`distance?width=${w}&x=${inside(point.x, w)}&y=${inside(point.y, height_of(w), w)}`);
+    put("develop", "focus", typeof distance === "number" ? Number(distance.toPrecision(4)) : distance);
+    set_mode("");
+    changed();
+  } catch (error) {
+    show_error(error);
+  }
+}
+
 /** @param {any} position pixels of the screen */
 async function use_pointer(position) {
-  if ((mode !== "probe" && mode !== "pick") || !view) return;
+  if ((mode !== "probe" && mode !== "pick" && mode !== "focus-here") || !view) return;
   const point = viewer.viewport.pointFromPixel(position);
   if (point.x < 0 || point.y < 0 || point.x >= 1 || point.y >= state.aspect[1] / state.aspect[0]) return;
+  if (mode === "focus-here") return focus_on(point);
   probed = { x: point.x, y: point.y };
   const old = $("mark");
   if (old) viewer.removeOverlay(old);
@@ -839,6 +884,7 @@ let sheet = 0; // the last that was opened
 async function show_sheet(title, choices) {
   const mine = ++sheet, width = 240, share = Math.min(1, Number((3e5 / state.samples).toPrecision(3)));
   $("sheet-title").textContent = title;
+  $("find").value = "";
   const buttons = choices.map((choice) => {
     const button = document.createElement("button");
     button.append(Object.assign(document.createElement("img"), { alt: "", width, height: height_of(width) }), choice.name, ...(choice.what ? [document.createElement("br"), Object.assign(document.createElement("small"), { textContent: choice.what })] : []));
@@ -847,8 +893,10 @@ async function show_sheet(title, choices) {
   });
   $("thumbnails").replaceChildren(...buttons);
   $("sheet").showModal();
-  for (const [i, choice] of choices.entries()) {
-    if (sheet !== mine || !$("sheet").open) return;
+  const waiting = new Set(choices.keys());
+  while (waiting.size > 0 && sheet === mine && $("sheet").open) {
+    const i = [...waiting].find((n) => !buttons[n].hidden) ?? [...waiting][0], choice = choices[i];
+    waiting.delete(i);
     try {
       const whole = await choice.recipe(), develop = { ...whole.develop };
       delete develop.size;
@@ -864,6 +912,14 @@ async function show_sheet(title, choices) {
     }
   }
 }
+$("find").addEventListener("input", () => {
+  const words = $("find").value.toLowerCase().split(/\s+/);
+  for (const button of $("thumbnails").children) button.hidden = !words.every((/** @type {string} */ word) => button.textContent.toLowerCase().includes(word));
+});
+$("eye-filters").addEventListener("click", () => show_sheet("Filters in front of the lens", state.lens_filters.map((/** @type {string} */ name) => {
+  const behind = () => ({ ...recipe, develop: { ...recipe.develop, "lens-filter": name } });
+  return { name, recipe: async () => behind(), take: () => { recipe = behind(); changed(); } };
+})));
 $("eye-films").addEventListener("click", () => show_sheet("Films, scanned, and looks of film and paper", [
   ...state.looks.map((/** @type {any} */ l) => ({ name: l.name, what: `${l.film}: ${l.what}`, recipe: async () => on_film(recipe, { film: l.film, look: l.name }), take: () => choose_film({ film: l.film, look: l.name }) })),
   ...state.films.map((/** @type {any} */ f) => ({ name: f.name, what: f.what, recipe: async () => on_film(recipe, { film: f.name, paper: "scan" }), take: () => choose_film({ film: f.name, paper: "scan" }) })),
@@ -951,8 +1007,8 @@ async function show_prints() {
 
 // --- The rest.
 
-$("undo").addEventListener("click", () => go(-1));
-$("redo").addEventListener("click", () => go(1));
+$("undo").addEventListener("click", () => go(place - 1));
+$("redo").addEventListener("click", () => go(place + 1));
 $("reset").addEventListener("click", () => { recipe = { "latent-recipe": 1 }; view = undefined; changed(); });
 $("fit").addEventListener("click", () => viewer.viewport.goHome());
 $("one").addEventListener("click", () => viewer.viewport.zoomTo(print_width() / $("picture").clientWidth / devicePixelRatio));
@@ -967,7 +1023,7 @@ document.addEventListener("keydown", (event) => {
   const typing = event.target instanceof HTMLInputElement && !["range", "checkbox"].includes(event.target.type);
   if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !typing) {
     event.preventDefault();
-    go(event.shiftKey ? 1 : -1);
+    go(place + (event.shiftKey ? 1 : -1));
     return;
   }
   if (typing || event.ctrlKey || event.metaKey || event.altKey) return;

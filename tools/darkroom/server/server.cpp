@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -243,6 +244,7 @@ class HttpServer final : public Server {
                   [this](const Request& request, Response& response) { answer(response, histogram(request)); });
         http_.Get(at("api/probe"), [this](const Request& request, Response& response) { answer(response, probe(request)); });
         http_.Get(at("api/spectrum"), [this](const Request& request, Response& response) { answer(response, spectrum(request)); });
+        http_.Get(at("api/distance"), [this](const Request& request, Response& response) { answer(response, distance(request)); });
         http_.Get(at("api/noise"), [this](const Request& request, Response& response) { answer(response, noise(request)); });
     }
 
@@ -313,6 +315,7 @@ class HttpServer final : public Server {
                    {"profiles", folder_.profiles()},
                    {"f_number", nullptr},
                    {"shutter", engine_.knows_shutter()},
+                   {"depth", engine_.knows_depth()},
                    {"recipes", folder_.recipes()}};
         if (const std::optional<double> f = engine_.f_number()) state["f_number"] = *f;
         return state;
@@ -331,6 +334,12 @@ class HttpServer final : public Server {
         return {.mixed = request.get_param_value("mixed") == "1", .stopped = turns_.stopped(request)};
     }
 
+    Result<develop::Size> size_of(const Request& request) {
+        const Result<std::uint64_t> width = number(request, "width", develop::kMaxSide);
+        if (!width) return width.error();
+        return engine_.size_of_width(static_cast<std::uint32_t>(*width));
+    }
+
     struct Asked {
         Recipe recipe;
         develop::Size size;
@@ -339,9 +348,7 @@ class HttpServer final : public Server {
     Result<Asked> asked(const Request& request) {
         Result<Recipe> recipe = views_.find(request.get_param_value("view"));
         if (!recipe) return recipe.error();
-        const Result<std::uint64_t> width = number(request, "width", develop::kMaxSide);
-        if (!width) return width.error();
-        const Result<develop::Size> size = engine_.size_of_width(static_cast<std::uint32_t>(*width));
+        const Result<develop::Size> size = size_of(request);
         if (!size) return size.error();
         return Asked{*std::move(recipe), *size, options_of(request)};
     }
@@ -412,6 +419,16 @@ class HttpServer final : public Server {
                     {"values", spectrum->values},
                     {"standard_errors", spectrum->standard_errors},
                     {"samples", spectrum->samples}};
+    }
+
+    Result<Json> distance(const Request& request) {
+        const Result<develop::Size> size = size_of(request);
+        if (!size) return size.error();
+        const Result<Place> at = place(request, *size);
+        if (!at) return at.error();
+        const Result<double> distance = engine_.distance(*size, at->x, at->y);
+        if (!distance) return distance.error();
+        return Json{{"distance", std::isinf(*distance) ? Json("infinity") : Json(*distance)}};
     }
 
     Result<Json> noise(const Request& request) {
