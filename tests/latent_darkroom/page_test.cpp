@@ -317,18 +317,30 @@ TEST_F(DarkroomPage, CropsAreDrawnAndMeasuredByRulers) {
 
 // At 1:1, pixels of the print are those of the screen.
 TEST_F(DarkroomPage, TheScreenShowsThePixelsOfThePrint) {
-    const Json seen = drive({{{"set", {{"stops", "0.5"}}}}, {{"key", "1"}, {"shot", "one.png"}}});
-    const image::Decoded print = printed({"--stops", "0.5"}), shot = image::decode_png(path("seen/one.png"));
-    const auto channels = static_cast<std::size_t>(shot.format.channels);
-    const int x0 = (1280 - 344 - 300) / 2, y0 = (720 - 200) / 2;
-    int different = 0;
-    for (int y = 0; y < 200; ++y) {
-        for (int x = 0; x < 300; ++x) {
-            const auto* a = shot.pixels.data() + static_cast<std::size_t>((y + y0) * shot.format.width + x + x0) * channels;
-            different += std::equal(a, a + 3, print.pixels.data() + static_cast<std::size_t>(y * 300 + x) * 3) ? 0 : 1;
+    const Json seen = drive({{{"set", {{"stops", "0.5"}}}},
+                             {{"key", "1"}, {"shot", "one.png"}},
+                             {{"key", "c"}},
+                             {{"set", {{"stops", "1"}}}},
+                             {{"key", "s"}},
+                             {{"key", "1"}, {"shot", "both.png"}}});
+    EXPECT_EQ(seen[5]["error"], "");
+    // Pixels from (x0, 260) of the window on that are not those of the print.
+    const auto different = [&](const std::string& name, int x0, const image::Decoded& print) {
+        const image::Decoded shot = image::decode_png(path(name));
+        const auto channels = static_cast<std::size_t>(shot.format.channels);
+        int count = 0;
+        for (int y = 0; y < 200; ++y) {
+            for (int x = 0; x < 300; ++x) {
+                const auto* a = shot.pixels.data() + static_cast<std::size_t>((y + 260) * shot.format.width + x + x0) * channels;
+                count += std::equal(a, a + 3, print.pixels.data() + static_cast<std::size_t>(y * 300 + x) * 3) ? 0 : 1;
+            }
         }
-    }
-    EXPECT_EQ(different, 0);
+        return count;
+    };
+    const image::Decoded held = printed({"--stops", "0.5"}), other = printed({"--stops", "1"});
+    EXPECT_EQ(different("seen/one.png", (936 - 300) / 2, held), 0);
+    EXPECT_EQ(different("seen/both.png", (468 - 300) / 2, held), 0);
+    EXPECT_EQ(different("seen/both.png", 468 + (468 - 300) / 2, other), 0);
 }
 
 TEST_F(DarkroomPage, MistakesAreSaidAndPrintsRecipesAndProbesWork) {

@@ -49,11 +49,12 @@ function show_error(error) {
 // --- The picture: levels of a pyramid over the film, each developed at its own size.
 
 const kTile = 512;
-const viewer = OpenSeadragon({
-  element: $("picture"), drawer: "canvas", showNavigationControl: false, immediateRender: true, imageLoaderLimit: 3, timeout: 600000,
+const kViewer = {
+  drawer: "canvas", showNavigationControl: false, immediateRender: true, imageLoaderLimit: 3, timeout: 600000,
   gestureSettingsMouse: { clickToZoom: false }, maxZoomPixelRatio: 16, minZoomImageRatio: 0.5, animationTime: 0.3, visibilityRatio: 0.2,
   imageSmoothingEnabled: false, subPixelRoundingForTransparency: OpenSeadragon.SUBPIXEL_ROUNDING_OCCURRENCES.ALWAYS,
-});
+};
+const viewer = OpenSeadragon({ ...kViewer, element: $("picture") });
 
 /** @param {number} width */
 const height_of = (width) => Math.max(1, Math.round(width / (state.aspect[0] / state.aspect[1])));
@@ -101,8 +102,8 @@ function loaded(item) {
 }
 
 /** @param {string} id @param {() => string} how @returns {Promise<any>} */
-const add_image = (id, how) => new Promise((success, failure) =>
-  viewer.addTiledImage({ tileSource: source_of(id, print_width(), how), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
+const add_image = (id, how, to = viewer) => new Promise((success, failure) =>
+  to.addTiledImage({ tileSource: source_of(id, print_width(), how), x: 0, y: 0, width: 1, success: (/** @type {any} */ e) => success(e.item), error: failure }));
 
 viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
   const url = new URL(event.tile.getUrl()), asked = url.searchParams.get("turn");
@@ -114,7 +115,7 @@ viewer.addHandler("tile-load-failed", async (/** @type {any} */ event) => {
 /** @type {any} */
 let item;
 /** @type {any} */
-let held; // the print that is compared with
+let held; // the print that is compared with, under the divider
 let running = false, finished = 0; // the last turn that is
 /** @type {"" | "mixed" | "exact"} */
 let warm = ""; // which lights are kept apart, as soon as nothing else is to be done
@@ -836,7 +837,7 @@ for (const id of ["dodge-stops", "dodge-radius"]) {
   follow();
 }
 
-// --- Compare: the print that is held lies over the other, left of the divider.
+// --- Compare: the print that is held lies over the other, left of the divider, or beside it.
 
 const divider = $("divider");
 let split = 0.5;
@@ -850,17 +851,44 @@ function show_divider() {
   held.setClip(new OpenSeadragon.Rect(0, 0, Math.min(Math.max(x, 0.001), size.x), size.y));
 }
 viewer.addHandler("update-viewport", show_divider);
-async function compare() {
-  if (held) {
-    viewer.world.removeItem(held);
-    held = undefined;
-  } else if (view) {
-    held = await add_image(view, () => "");
+let held_view = "", beside = false;
+/** Of the held print when it is beside the other. @type {any} */
+let follower;
+async function show_held() {
+  const halves = Boolean(held_view) && beside;
+  if (held) viewer.world.removeItem(held);
+  held = undefined;
+  follower?.world.removeAll();
+  /** @type {HTMLElement} */ ($("picture").parentElement).classList.toggle("beside", halves);
+  $("beside").hidden = !halves;
+  if (halves) {
+    follower ??= OpenSeadragon({ ...kViewer, element: $("beside"), mouseNavEnabled: false });
+    await add_image(held_view, () => "", follower);
+    follow();
+  } else if (held_view) {
+    held = await add_image(held_view, () => "");
   }
-  $("hold").setAttribute("aria-pressed", String(Boolean(held)));
+  $("hold").setAttribute("aria-pressed", String(Boolean(held_view)));
+  $("halves").setAttribute("aria-pressed", String(halves));
+  $("halves").disabled = !held_view;
   show_divider();
 }
+function follow() {
+  if ($("beside").hidden || !follower) return;
+  follower.viewport.zoomTo(viewer.viewport.getZoom(true), null, true);
+  follower.viewport.panTo(viewer.viewport.getCenter(true), true);
+}
+viewer.addHandler("update-viewport", follow);
+function compare() {
+  held_view = held_view ? "" : view ?? "";
+  show_held();
+}
+function halve() {
+  beside = !beside;
+  show_held();
+}
 $("hold").addEventListener("click", compare);
+$("halves").addEventListener("click", halve);
 divider.addEventListener("pointerdown", (/** @type {PointerEvent} */ e) => divider.setPointerCapture(e.pointerId));
 divider.addEventListener("pointermove", (/** @type {PointerEvent} */ e) => {
   if (!divider.hasPointerCapture(e.pointerId)) return;
@@ -1034,7 +1062,7 @@ document.addEventListener("keydown", (event) => {
   /** @type {{[key: string]: () => void}} */
   const keys = {
     "?": () => $("keys").showModal(), ",": () => third(-1), ".": () => third(1), f: () => viewer.viewport.goHome(), 1: () => $("one").click(),
-    c: compare, n: () => $("noise").click(), r: () => $("rulers").click(), x: () => set_mode("draw"), d: () => set_mode("brush"), p: () => set_mode("probe"),
+    c: compare, s: () => $("halves").click(), n: () => $("noise").click(), r: () => $("rulers").click(), x: () => set_mode("draw"), d: () => set_mode("brush"), p: () => set_mode("probe"),
     Enter: () => { if (event.target === viewer.canvas || event.target === document.body) use_pointer(viewer.viewport.pixelFromPoint(viewer.viewport.getCenter())); }, Escape: () => set_mode(""),
   };
   keys[event.key]?.();
