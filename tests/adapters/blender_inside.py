@@ -242,7 +242,11 @@ tree.links.new(matt.outputs[0], output.inputs["Surface"])
 # A frame without light is black.
 lit, sun.data.energy, world.node_tree.nodes["Background"].inputs["Strength"].default_value = (sun.data.energy, 0.5), 0.0, 0.0
 render()
-check("a frame without light is black", picture().max() == 0, picture().max())
+check("a frame without light is black", picture().max() == 0 and engine.last["word"].startswith("new job"), picture().max(), engine.last)
+dark, scene.world = scene.world, None
+render()
+check("so is one without a world", picture().max() == 0, picture().max())
+scene.world = dark
 sun.data.energy, world.node_tree.nodes["Background"].inputs["Strength"].default_value = lit
 
 # What a camera ray alone would see is listed, and the rest lights the scene.
@@ -482,6 +486,18 @@ check("an object without motion blur stands still", "ActiveTransform" not in tex
 cube.cycles.use_motion_blur = True
 render()
 check("others move", "ActiveTransform" in (folder / "job/scene.pbrt").read_text())
+bpy.data.objects.remove(cube)
+bpy.ops.mesh.primitive_cube_add(size=1, location=(100, 0, 1))
+cube = bpy.context.object
+for frame in (0, 2):
+    cube.location.x = 100 + frame
+    cube.keyframe_insert("location", frame=frame)
+copy = cube.copy()
+scene.collection.objects.link(copy)
+render()
+text = (folder / "job/scene.pbrt").read_text()
+check("so do copies of one mesh", text.count("ActiveTransform StartTime") == text.count("ObjectInstance") == 2, text[-2000:])
+bpy.data.objects.remove(copy)
 scene.render.use_motion_blur, scene.cycles.rolling_shutter_type = False, "NONE"
 bpy.data.objects.remove(cube)
 tree.nodes.remove(output)

@@ -90,14 +90,7 @@ class LatentEngine(bpy.types.RenderEngine):
         self.say(word)
         begin = time.monotonic()
         command = [render, exported.path, "-o", mine.samples, "--spp", samples, "--checkpoint", "5s", "--json", *words]
-        try:
-            report, warnings = tools.run(command, lambda share: self.progress(share, word), self.stopped)
-        except tools.Failure as failure:
-            if "no light" not in str(failure):  # the same of light groups
-                raise
-            self.report({"WARNING"}, f"Latent: {failure}")
-            width, height = camera.size(scene)
-            return self.fill(scene, layer, {"Combined": with_alpha(np.zeros((height, width, 3)))})
+        report, warnings = tools.run(command, lambda share: self.progress(share, word), self.stopped)
         print("\n".join(warnings))
         if report is not None:
             mine.finish(samples)

@@ -322,7 +322,7 @@ def placed(model, number):
 def copies(model, name):
     """Lines of each instance."""
     if model.ends:
-        for number in range(model.count()):
+        for number in range(len(model.poses) // 16):
             yield "\n".join(["AttributeBegin", *placed(model, number), f'ObjectInstance "{name}"', "AttributeEnd"])
         return
     columns = np.frombuffer(model.poses).reshape(-1, 4, 4).transpose(0, 2, 1).reshape(-1, 16)

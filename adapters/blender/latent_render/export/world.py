@@ -1,19 +1,21 @@
-"""The world: a colour, a picture in longitude and latitude, or anything else, which Cycles bakes to such a picture."""
+"""The world: a colour, a picture in longitude and latitude, or anything else, which Cycles bakes to such a picture. There always is one, if
+only a black one: the renderer refuses a scene that has no light at all."""
 import numpy as np
 
-from .nodes import Graph, all_nodes, is_constant
+from .nodes import Graph, all_nodes
 from .pbrt import directive, matrix
 from .pictures import ENCODINGS, Places
 from .report import Unknown
 
 # Blender's longitude runs the other way round, and begins at the other side, than pbrt's.
 FLIPPED = np.diag([-1.0, 1.0, 1.0, 1.0])
+DARK = ["rgb L", [0.0, 0.0, 0.0]], 1.0, np.eye(4), []
 
 
 def export(world, files, portals, report, bake):
     """Directives. `bake(world)`: the path of a picture of it."""
     if world is None:
-        return []
+        return lights(*DARK)
     lost = report.of(f"world {world.name}")
     hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
     if hidden:
@@ -26,7 +28,7 @@ def export(world, files, portals, report, bake):
         lost("the volume of a world is left out")
     found = output and graph.source(output.inputs["Surface"])
     if not found:
-        return []
+        return lights(*DARK)
     if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in all_nodes(world.node_tree)):
         lost("all of its Light Path is 0: the camera, too, sees what lights the scene")
     try:
@@ -40,7 +42,7 @@ def export(world, files, portals, report, bake):
         path = bake(world)
         if path is None:
             lost("is black, for its nodes could not be baked")
-            return []
+            return lights(*DARK)
         return lights(["string filename", path], 1.0, FLIPPED, portals)
 
 
@@ -49,16 +51,14 @@ def simple(node, graph, files, portals):
     amount = graph.source(node.inputs[0]) if node.type == "MIX_SHADER" else None
     if amount and amount[0].type == "LIGHT_PATH":
         lit = graph.source(node.inputs[1])
-        return simple(lit[0], graph, files, portals) if lit else []
+        return simple(lit[0], graph, files, portals) if lit else lights(*DARK)
     if node.type != "BACKGROUND" or node.inputs["Strength"].is_linked:
         raise Unknown("world")
     strength = node.inputs["Strength"].default_value
     found = graph.source(node.inputs["Color"])
     if found is None or found[0].type in ("RGB", "BLACKBODY"):
-        color = graph.of(node, "Color")
-        if strength <= 0 or max(color.rgb) <= 0 or not is_constant(color):
-            return []
-        return lights(["rgb L", list(color.rgb)], strength, np.eye(4), portals)
+        color = graph.constant(node, "Color").rgb
+        return lights(["rgb L", [max(0.0, c) for c in color]], max(0.0, strength), np.eye(4), portals)
     picture = found[0]
     image = getattr(picture, "image", None)
     is_known = image and image.source in ("FILE", "GENERATED") and (image.is_float or image.colorspace_settings.name in ENCODINGS)
