@@ -22,7 +22,7 @@ def part(name):
     return importlib.import_module(f"latent_render.{name}")
 
 
-pbrt, ply, exr, tools, job, develop = (part(name) for name in ("export.pbrt", "export.ply", "exr", "tools", "job", "develop"))
+pbrt, ply, tools, job, develop = (part(name) for name in ("export.pbrt", "export.ply", "tools", "job", "develop"))
 nodes, spectra, curves, ies = part("export.nodes"), part("export.spectra"), part("export.curves"), part("export.ies")
 
 
@@ -94,18 +94,18 @@ class Pictures(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             tool("inspect", "gen", "-o", f"{folder}/a.latent", "--records", "4000", "--aspect", "10:9")
             tool("develop", f"{folder}/a.latent", "-o", f"{folder}/a.exr", "--size", "300x270", "--layers", "weight")
-            channels = exr.read(f"{folder}/a.exr")
+            channels = develop.read(f"{folder}/a.exr")
             self.assertEqual(channels["R"].shape, (270, 300))
             self.assertIn("weight", channels)
             tool("develop", f"{folder}/a.latent", "-o", f"{folder}/b.exr", "--size", "300x270", "--crop", "255,200,300,270")
-            np.testing.assert_array_equal(exr.read(f"{folder}/b.exr")["G"], channels["G"][200:270, 255:300])
+            np.testing.assert_array_equal(develop.read(f"{folder}/b.exr")["G"], channels["G"][200:270, 255:300])
 
     def test_other_pictures_are_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             tool("inspect", "gen", "-o", f"{folder}/a.latent", "--records", "1000")
             tool("develop", f"{folder}/a.latent", "-o", f"{folder}/a.exr", "--size", "8x8", "--compression", "zip")
             with self.assertRaisesRegex(ValueError, "not as latent-develop"):
-                exr.read(f"{folder}/a.exr")
+                develop.read(f"{folder}/a.exr")
 
     def test_white_is_white(self):
         white = {"R": np.float32([[0.95047]]), "G": np.float32([[1.0]]), "B": np.float32([[1.08883]])}

@@ -74,7 +74,7 @@ class LatentEngine(bpy.types.RenderEngine):
         name = "scene" if planned is None else f"frame-{scene.frame_current:04d}"
         exported = Exporter(depsgraph, folder, settings, lambda world: baking.world(world, folder)).export(name, self.frame_set)
         words = job.options(settings, exported.aperture, exported.moves)
-        exported.digest.update(tools.version(render).encode())  # another renderer may make other samples
+        exported.digest.update(tools.said(render, "--version").encode())  # another renderer may make other samples
         if planned is not None:
             planned.append((exported.path, words))
             return self.fill(scene, layer, {})

@@ -10,7 +10,7 @@ import json
 import os
 import re
 
-from . import develop, exr, tools
+from . import develop, tools
 
 
 def options(settings, aperture, moves):
@@ -85,7 +85,7 @@ class Job:
         key, known = [*words, *(f"{path} {os.stat(path).st_mtime_ns}" for path in self.files)], self.note.get("developed", {})
         for path, (of, has) in known.items():
             if of == key and set(layers) <= set(has) and os.path.exists(path):
-                return exr.read(path), path
+                return develop.read(path), path
         if program is None:
             raise tools.Failure("this picture is not there yet")
         channels = develop.develop(program, self.samples, picture, [*words, *(["--layers", ",".join(layers)] if layers else [])], stop)
