@@ -3,8 +3,8 @@ import math
 
 import numpy as np
 
-from .pbrt import directive, moving
-
+from .pbrt import columns, directive, moving
+from .report import find
 
 MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
 # pbrt's panorama begins at +x and goes by +z, and its pole is +y; the middle of Blender's lies in front.
@@ -27,15 +27,16 @@ def export(scene, owner, poses, report):
     """Directives. `owner`: the evaluated object; `poses`: its matrices when the shutter opens and closes."""
     data, lost = owner.data, report.of(f"camera {owner.name}")
     world_to_camera = [(PANORAMIC if data.type == "PANO" else MIRRORED) @ np.array(pose.normalized().inverted()) for pose in poses]
-    lines = moving(world_to_camera[0], world_to_camera[-1])
+    place = moving(*(columns(rows) for rows in (world_to_camera[0], world_to_camera[-1])))
     parameters = {"float shutteropen": 0.0, "float shutterclose": 1.0} if len(poses) > 1 else {}
     if data.type == "PANO":
-        panorama = data if hasattr(data, "panorama_type") else data.cycles
-        if panorama.panorama_type != "EQUIRECTANGULAR":
-            lost(f"panorama {panorama.panorama_type.lower()} is equirectangular, the only one")
-        elif panorama.longitude_max - panorama.longitude_min < 6.28 or panorama.latitude_max - panorama.latitude_min < 3.14:
+        kind, west, east, south, north = (find(data, name, f"cycles.{name}", otherwise=None)
+                                          for name in ("panorama_type", "longitude_min", "longitude_max", "latitude_min", "latitude_max"))
+        if kind != "EQUIRECTANGULAR":
+            lost(f"panorama {kind.lower()} is equirectangular, the only one")
+        elif east - west < 6.28 or north - south < 3.14:
             lost("its panorama goes all around, whatever its latitudes and longitudes")
-        return [*lines, directive("Camera", "spherical", **{"string mapping": "equirectangular", **parameters})]
+        return [place, directive("Camera", "spherical", **{"string mapping": "equirectangular", **parameters})]
     kind = "orthographic" if data.type == "ORTHO" else "perspective"
     parameters |= {"float screenwindow": window(scene, data), **({"float fov": 90.0} if kind == "perspective" else {})}
     if data.dof.use_dof and data.type == "ORTHO":
@@ -44,7 +45,7 @@ def export(scene, owner, poses, report):
         parameters |= {"float lensradius": data.lens * 5e-4 / max(1e-6, data.dof.aperture_fstop), "float focaldistance": max(1e-4, focus(owner, poses[0]))}
         if abs(data.dof.aperture_ratio - 1) > 1e-3:
             lost("anamorphic bokeh is left out here (Darkroom has it)")
-    return [*lines, directive("Camera", kind, **parameters)]
+    return [place, directive("Camera", kind, **parameters)]
 
 
 def window(scene, data):
@@ -111,6 +112,6 @@ def shutter_times(scene):
     render = scene.render
     if not render.use_motion_blur:
         return None
-    position = getattr(render, "motion_blur_position", None) or scene.cycles.motion_blur_position
+    position = find(scene, "render.motion_blur_position", "cycles.motion_blur_position", otherwise="CENTER")
     start = {"START": 0.0, "CENTER": -render.motion_blur_shutter / 2, "END": -render.motion_blur_shutter}[position]
     return start, start + render.motion_blur_shutter

@@ -6,16 +6,10 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from . import ies, spectra
-from .nodes import Graph, is_constant
+from .nodes import Graph
 from .pbrt import directive, matrix
-from .pictures import pfm
-
-
-def group(settings, owner):
-    """The name of the light group of an object."""
-    if settings.light_groups == "COLLECTIONS" and owner.users_collection:
-        return owner.users_collection[0].name
-    return owner.name
+from .report import find
+from .values import is_constant
 
 
 def strength(lamp, lost):
@@ -78,8 +72,6 @@ class Lamp:
             lost("negative light is left out")
         if lamp.energy <= 0 or min(color) < 0 or max(color) <= 0:
             return []
-        if not getattr(lamp, "use_shadow", True) or (hasattr(lamp, "cycles") and not getattr(lamp.cycles, "cast_shadow", True)):
-            lost("it casts shadows")
         axes = np.array(pose.to_3x3().normalized())
         if lamp.type in ("SPOT", "AREA") and np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
             lost("its shear is left out")
@@ -110,7 +102,7 @@ class Lamp:
             return []
         place = [[row[i] for i in (0, 2, 1, 3)] for row in at(pose)]  # pbrt exchanges y and z of these lights
         return [matrix(place), self.source("goniometric", "I", self.lamp.energy / (4 * math.pi),
-                                              **{"string filename": self.files.written(pfm(picture[..., None]), ".pfm")})]
+                                              **{"string filename": self.files.drawn(picture[..., None])})]
 
     def has_no_size(self):
         if self.lamp.shadow_soft_size > 1e-6:
@@ -210,5 +202,4 @@ def portal(owner, pose):
 
 
 def is_portal(owner):
-    data = owner.data
-    return data.type == "AREA" and bool(getattr(data, "is_portal", False) or (hasattr(data, "cycles") and getattr(data.cycles, "is_portal", False)))
+    return owner.data.type == "AREA" and find(owner.data, "is_portal", "cycles.is_portal", otherwise=False)

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass, field
 
 from . import spectra, volumes
-from .nodes import BLACK, WHITE, Constant, Graph, Picture, constant, each, is_constant, mix, parameter, product
+from .nodes import Graph
 from .pbrt import directive
-from .pictures import Places
+from .places import Places
+from .values import BLACK, WHITE, Constant, clamped, constant, each, is_constant, mix, parameter, product, rest
 
 
 @dataclass
@@ -14,11 +15,10 @@ class Surface:
     material: tuple = None  # type, parameters; None: nothing that reflects
     emission: list = field(default_factory=list)  # of (colour, strength)
     alpha: object = WHITE  # share of the light that the surface stops
-    places: Places = None
 
     @property
     def is_clear(self):
-        return self.material is None and not self.emission and is_constant(self.alpha) and self.alpha.number() == 0
+        return self.material is None and not self.emission and self.alpha == BLACK
 
 
 @dataclass
@@ -32,259 +32,182 @@ class Exported:
 
 
 RADIAL = ("radial", "Z")  # Cycles' tangent, unless a node gives one
+COLORS = ("reflectance", "transmittance", "color", "specularcolor", "sheen")
 MATT_BLACK = ("diffuse", {"rgb reflectance": [0.0, 0.0, 0.0]})
-DEFAULT = ("diffuse", {"rgb reflectance": [0.8, 0.8, 0.8]})
 
 
-class Reader:
-    """One material. Shaders are read from its output backwards."""
+class Reader(Graph):
+    """The nodes of one material. Shaders are read from its output backwards."""
 
-    def __init__(self, document, graph, settings):
-        self.document, self.graph, self.settings = document, graph, settings
-        self.value, self.number = graph.of, graph.number
+    def __init__(self, document, material, report, files):
+        super().__init__(material.node_tree, report.of(f"material {material.name}"), Places(), files, material)
+        self.document, self.settings = document, material.latent
 
     def shader(self, socket):
-        return self.graph.follow(socket, self.surface, lambda _: Surface())
+        return self.follow(socket, lambda node, _: SHADERS.get(node.type, other)(self, node), lambda _: Surface())
 
-    def surface(self, node, _):
-        read = SHADERS.get(node.type)
-        if read is None:
-            self.graph.lost(f"shader {node.bl_label} is replaced by a matt grey")
-            return Surface(DEFAULT)
-        return read(self, node)
-
-    def set(self, name, kind, value):
-        return parameter(self.document, name, kind, limited(value, "colour" if kind == "spectrum" else name, self.graph.lost))
+    def limited(self, value, what):
+        """A value between 0 and 1."""
+        within = clamped(value)
+        if within != value:
+            article = "an" if what[0] in "aeiou" else "a"
+            self.lost(f"{article} {what} above 1 is 1" if max(value.rgb) > 1 else f"{article} {what} below 0 is 0")
+        return within
 
     def share(self, node, *names):
         """A value between 0 and 1; None if the node has no such input."""
-        value = self.value(node, *names)
-        return value and limited(value, names[0].lower(), self.graph.lost)
+        value = self.of(node, *names)
+        return value and self.limited(value, names[0].lower())
 
-    # What is added to a material of any type.
+    def made(self, of, typed=(), **values):
+        """A surface of a material: `typed` parameters, and those that are values between 0 and 1."""
+        parameters = dict(typed)
+        for name, value in values.items():
+            kind = "spectrum" if name in COLORS else "float"
+            parameters |= parameter(self.document, name, kind, self.limited(value, "colour" if name in COLORS else name))
+        return Surface((of, parameters))
+
+    def mixture(self, first, second, amount):
+        """A part that reflects nothing is black."""
+        names = [self.document.material(*(part.material or MATT_BLACK)) for part in (first, second)]
+        return self.made("mix", {"string materials": names}, amount=amount)
+
+    # What is added to a material of any type: parameters.
     def stretched(self, node, along, across, turns):
-        """Parameters of a roughness (alpha) along the tangent and across it, turned by an input in turns."""
-        self.graph.places.direction = self.graph.follow(node.inputs["Tangent"], self.tangent, lambda _: RADIAL)
+        """Of a roughness (alpha) along the tangent and across it, turned by an input in turns."""
+        self.places.direction = self.follow(node.inputs["Tangent"], self.tangent, lambda _: RADIAL)
         low, high = min(along, across), max(along, across)
         return {"float roughness": math.sqrt(low), "float anisotropy": math.sqrt(min(1.0, (high - low) / max(1e-6, 1 - low))),
                 "float anisotropyrotation": 360.0 * self.number(node, turns) + (0.0 if along == high else 90.0)}
 
     def tangent(self, node, _):
         if node.type != "TANGENT":
-            self.graph.lost(f"the tangent of {node.bl_label} is radial")
+            self.lost(f"the tangent of {node.bl_label} is radial")
             return RADIAL
         return ("uv", node.uv_map) if node.direction_type == "UV_MAP" else ("radial", node.axis)
 
-    def relief(self, node, *names):
-        """Parameters of a bump or normal map."""
-        socket = self.graph.input(node, *(names or ("Normal",)))
-        if socket is None or not socket.is_linked:
-            return {}
-        return self.graph.follow(socket, self.relief_of, lambda _: {})
+    def facets(self, node, rough, prefix=""):
+        kind = getattr(node, "distribution", "GGX") if not is_constant(rough) or rough.number() > 0 else "GGX"
+        if kind in ("BECKMANN", "ASHIKHMIN_SHIRLEY"):
+            self.lost(f"the facets of {node.bl_label} have the distribution GGX")
+        return {f"bool {prefix}multiscatter": True} if kind == "MULTI_GGX" else {}
+
+    def relief(self, node):
+        """Of a bump or normal map."""
+        return self.follow(node.inputs["Normal"], self.relief_of, lambda _: {})
 
     def relief_of(self, node, _):
         if node.type == "BUMP":
-            height = self.graph.of(node, "Height")
+            height = self.of(node, "Height")
             depth = self.number(node, "Distance") * self.number(node, "Strength") * (-1 if node.invert else 1)
             if is_constant(height):
                 return {}
-            if self.graph.input(node, "Normal").is_linked:
-                self.graph.lost("of two reliefs, only the last one remains")
-            return self.set("displacement", "float", product(height, constant(depth)))
+            if self.input(node, "Normal").is_linked:
+                self.lost("of two reliefs, only the last one remains")
+            return parameter(self.document, "displacement", "float", product(height, constant(depth)))
         if node.type == "NORMAL_MAP":
-            value = self.graph.of(node, "Color")
-            if node.space != "TANGENT" or not isinstance(value, Picture) or value.is_moved:
-                self.graph.lost("a normal map that is not a tangent-space picture of the first UV map is left out")
+            value = self.of(node, "Color")
+            if node.space != "TANGENT" or is_constant(value) or not value.is_picture or value.is_moved:
+                self.lost("a normal map that is not a tangent-space picture of the first UV map is left out")
                 return {}
             if abs(self.number(node, "Strength") - 1) > 1e-3:
-                self.graph.lost("the strength of the normal map is 1")
+                self.lost("the strength of the normal map is 1")
             return {"string normalmap": value.parameters["string filename"]}
-        self.graph.lost(f"relief by {node.bl_label} is left out")
+        self.lost(f"relief by {node.bl_label} is left out")
         return {}
+
+    def measured_metal(self, node, rough):
+        """By the panel, if it names one."""
+        metal = spectra.metal(self.settings)
+        if not metal or not is_constant(rough):
+            return None
+        alpha = self.limited(rough, "roughness").number() ** 2
+        return Surface(("conductor", {**metal, "float roughness": alpha, "bool remaproughness": False, **self.facets(node, rough, "latent:"), **self.relief(node)}))
 
 
 # ----- shaders
 
 
-def limited(value, what, lost):
-    if not is_constant(value) or 0 <= min(value.rgb) and max(value.rgb) <= 1:
-        return value
-    article = "an" if what[0] in "aeiou" else "a"
-    lost(f"{article} {what} above 1 is 1" if max(value.rgb) > 1 else f"{article} {what} below 0 is 0")
-    return each(lambda c: min(1.0, max(0.0, c)), value)
-
-
-def facets(reader, node, rough, prefix=""):
-    """Parameters of their distribution."""
-    kind = getattr(node, "distribution", "GGX") if not is_constant(rough) or rough.number() > 0 else "GGX"
-    if kind in ("BECKMANN", "ASHIKHMIN_SHIRLEY"):
-        reader.graph.lost(f"the facets of {node.bl_label} have the distribution GGX")
-    return {f"bool {prefix}multiscatter": True} if kind == "MULTI_GGX" else {}
+def other(reader, node):
+    color = reader.of(node, "Color")
+    reader.lost(f"shader {node.bl_label} is a matt one of its colour" if color else f"shader {node.bl_label} is replaced by a matt grey")
+    return reader.made("diffuse", reflectance=color or constant(0.8))
 
 
 def diffuse(reader, node):
     if reader.number(node, "Roughness") > 0:
-        reader.graph.lost("the roughness of a Diffuse BSDF is 0")
-    return Surface(("diffuse", {**reader.set("reflectance", "spectrum", reader.value(node, "Color")), **reader.relief(node)}))
+        reader.lost("the roughness of a Diffuse BSDF is 0")
+    return reader.made("diffuse", reader.relief(node), reflectance=reader.of(node, "Color"))
+
+
+def translucent(reader, node):
+    return reader.made("diffusetransmission", reflectance=BLACK, transmittance=reader.of(node, "Color"))
 
 
 def roughness(reader, node):
-    return reader.value(node, "Roughness") if getattr(node, "distribution", "") != "SHARP" else BLACK
+    return reader.of(node, "Roughness") if getattr(node, "distribution", "") != "SHARP" else BLACK
 
 
 def glossy(reader, node):
     """Cycles' Glossy BSDF is a mirror of its colour at every angle, which a surface of a very high index comes close to. Only for a metal
     of the panel, it is a metal."""
-    rough, color = roughness(reader, node), reader.value(node, "Color", "Base Color")
+    rough, color = roughness(reader, node), reader.of(node, "Color", "Base Color")
     if color is None:  # a Metallic BSDF by n and k
-        color = each(lambda n, k: ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), *(reader.graph.constant(node, name) for name in ("IOR", "Extinction")))
+        color = each(lambda n, k: ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), *(reader.constant(node, name) for name in ("IOR", "Extinction")))
     if node.type == "BSDF_METALLIC":
-        reader.graph.lost("a Metallic BSDF has its colour at every angle")
-    metal = spectra.metal(reader.settings)
-    anisotropy = reader.number(node, "Anisotropy") if "Anisotropy" in node.inputs else 0.0
-    look = reader.set("roughness", "float", rough)
-    if anisotropy and is_constant(rough):
-        squeeze = 1 - min(0.99, abs(anisotropy))
-        along, across = (rough.number() ** 2 * share for share in ((squeeze, 1 / squeeze) if anisotropy > 0 else (1 / squeeze, squeeze)))
-        look = reader.stretched(node, along, across, "Rotation")
-    if metal and is_constant(rough):
+        reader.lost("a Metallic BSDF has its colour at every angle")
+    anisotropy = reader.number(node, "Anisotropy") if is_constant(rough) else 0.0
+    metal = reader.measured_metal(node, rough)
+    if metal:
         if anisotropy:
-            reader.graph.lost("the roughness of a measured metal has no direction")
-        return Surface(measured_metal(reader, node, metal, rough))
+            reader.lost("the roughness of a measured metal has no direction")
+        return metal
     most = min(1.0, max(color.rgb)) if is_constant(color) else 1.0
     if is_constant(color) and most > 0:
         color = each(lambda c: c / most, color)
-    return Surface(("latent:principled", {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most,
-                                          **reader.set("specularcolor", "spectrum", color), **look, **facets(reader, node, rough), **reader.relief(node)}))
-
-
-def measured_metal(reader, node, metal, rough):
-    alpha = limited(rough, "roughness", reader.graph.lost).number() ** 2
-    return "conductor", {**metal, "float roughness": alpha, "bool remaproughness": False, **facets(reader, node, rough, "latent:"), **reader.relief(node)}
+    look = {"rgb color": [0.0, 0.0, 0.0], "float eta": 1000.0, "float specular": most, **reader.facets(node, rough), **reader.relief(node)}
+    if not anisotropy:
+        return reader.made("latent:principled", look, roughness=rough, specularcolor=color)
+    alpha, squeeze = reader.limited(rough, "roughness").number() ** 2, 1 - min(0.99, abs(anisotropy))
+    along, across = (alpha * squeeze, alpha / squeeze) if anisotropy > 0 else (alpha / squeeze, alpha * squeeze)
+    return reader.made("latent:principled", {**look, **reader.stretched(node, along, across, "Rotation")}, specularcolor=color)
 
 
 def glass(reader, node):
-    rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.graph.constant(node, "Roughness")
-    color = reader.value(node, "Color")
-    return Surface(("latent:principled", {"float transmission": 1.0, "bool tintedreflection": node.type == "BSDF_GLASS", **reader.set("roughness", "float", rough), **reader.set("color", "spectrum", color), **facets(reader, node, rough),
-                                          **spectra.index(reader.settings, reader.number(node, "IOR")), **reader.relief(node)}))
-
-
-def refraction(reader, node):
-    reader.graph.lost("a Refraction BSDF is glass, which reflects, too")
-    return glass(reader, node)
+    rough = BLACK if getattr(node, "distribution", "") == "SHARP" else reader.constant(node, "Roughness")
+    if node.type == "BSDF_REFRACTION":
+        reader.lost("a Refraction BSDF is glass, which reflects, too")
+    look = {"float transmission": 1.0, "bool tintedreflection": node.type == "BSDF_GLASS", **spectra.index(reader.settings, reader.number(node, "IOR"))}
+    return reader.made("latent:principled", {**look, **reader.facets(node, rough), **reader.relief(node)}, roughness=rough, color=reader.of(node, "Color"))
 
 
 def transparent(reader, node):
-    color = limited(reader.graph.constant(node, "Color"), "colour", reader.graph.lost)
+    color = reader.limited(reader.constant(node, "Color"), "colour")
     if len(set(color.rgb)) > 1:
-        reader.graph.lost("the colour of a Transparent BSDF is grey")
-    return Surface(None, alpha=constant(1 - color.number()))
+        reader.lost("the colour of a Transparent BSDF is grey")
+    return Surface(alpha=constant(1 - color.number()))
 
 
 def subsurface(reader, node):
     """A solid that light wanders through. Cycles' has no surface of its own."""
-    color, radius, scale = (reader.graph.constant(node, name) for name in ("Color", "Radius", "Scale"))
-    reader.graph.lost("subsurface scattering lies below a surface of index 1.01")
-    return Surface(("subsurface", {**reader.set("reflectance", "spectrum", color), "rgb mfp": [max(1e-6, r * scale.number()) for r in radius.rgb], "float eta": 1.01}))
+    color, radius, scale = (reader.constant(node, name) for name in ("Color", "Radius", "Scale"))
+    reader.lost("subsurface scattering lies below a surface of index 1.01")
+    return reader.made("subsurface", {"rgb mfp": [max(1e-6, r * scale.number()) for r in radius.rgb], "float eta": 1.01}, reflectance=color)
 
 
 def hair(reader, node):
     """Absorption as Cycles': by colour, by melanin or directly."""
-    shape = {**reader.set("beta_m", "float", reader.graph.constant(node, "Roughness")), **reader.set("beta_n", "float", reader.graph.constant(node, "Radial Roughness")),
-             "float alpha": math.degrees(reader.number(node, "Offset")), "float eta": reader.number(node, "IOR")}
     way = getattr(node, "parametrization", "COLOR")
+    shape, color = {"float alpha": math.degrees(reader.number(node, "Offset")), "float eta": reader.number(node, "IOR")}, {}
     if way == "ABSORPTION":
-        pigment = parameter(reader.document, "sigma_a", "spectrum", reader.value(node, "Absorption Coefficient"))
+        shape |= parameter(reader.document, "sigma_a", "spectrum", reader.of(node, "Absorption Coefficient"))
     elif way == "MELANIN":
-        melanin, red = min(1.0, max(0.0, reader.number(node, "Melanin"))), min(1.0, max(0.0, reader.number(node, "Melanin Redness")))
+        melanin, red = (clamped(reader.constant(node, name)).number() for name in ("Melanin", "Melanin Redness"))
         amount = -math.log(max(1 - melanin, 1e-4))
-        pigment = {"float eumelanin": amount * (1 - red), "float pheomelanin": amount * red}
+        shape |= {"float eumelanin": amount * (1 - red), "float pheomelanin": amount * red}
     else:
-        pigment = reader.set("reflectance", "spectrum", reader.value(node, "Color"))
-    return Surface(("hair", {**pigment, **shape}))
-
-
-def principled(reader, node):
-    """Inputs have other names since Blender 4.0. What light passes is a material of its own, mixed with the rest."""
-    graph, is_new = reader.graph, "Coat Weight" in node.inputs
-    number = functools.partial(reader.number, node)
-    base, metallic, transmission = limited(reader.value(node, "Base Color"), "colour", graph.lost), reader.share(node, "Metallic"), reader.share(node, *TRANSMISSION)
-    below = base if is_new else mix(base, reader.value(node, "Subsurface Color"), constant(number("Subsurface")))
-    for name, value, owners, what in LACKING:
-        socket = graph.input(node, name)
-        if socket and reader.value(node, *(owners or (name,))) != BLACK and (socket.is_linked or value is not None and differs(reader.value(node, name), value)):
-            graph.lost(what)
-    if transmission != BLACK and not (is_constant(metallic) and (is_constant(transmission) or metallic.number() in (0, 1))):
-        graph.lost("transmission beside a texture of metallic, or the reverse, is left out")
-        transmission = BLACK
-    look = {}
-    for name, names in PRINCIPLED.items():
-        value = reader.share(node, *names)
-        if value is not None:
-            look |= reader.set(name, "float", value)
-    ior, level = number("IOR"), number("Specular IOR Level", "Specular")
-    f0 = min(0.99, ((ior - 1) / (ior + 1)) ** 2 * 2 * level if is_new else 0.08 * level)
-    root = math.sqrt(max(f0, 0.0))
-    tint = reader.value(node, "Specular Tint")
-    if not is_new and is_constant(tint, base):
-        luminance = max(base.number(), 1e-6)
-        tint = mix(WHITE, Constant(tuple(min(1.0, c / luminance) for c in base.rgb)), tint)
-    if is_constant(tint) and tint.rgb != WHITE.rgb and (is_new or tint.number() > 0):
-        look |= reader.set("specularcolor", "spectrum", tint)
-    anisotropy = number("Anisotropic")
-    if anisotropy > 0 and "float roughness" in look:
-        alpha, aspect = look["float roughness"] ** 2, math.sqrt(1 - 0.9 * min(1.0, anisotropy))
-        look |= reader.stretched(node, alpha / aspect, alpha * aspect, "Anisotropic Rotation")
-    if is_new and number("Sheen Weight") > 0:
-        look |= reader.set("sheen", "spectrum", product(reader.value(node, "Sheen Tint"), constant(number("Sheen Weight"))))
-        look["float sheenroughness"] = min(1.0, max(0.07, number("Sheen Roughness")))
-    if is_new and "Thin Film Thickness" in node.inputs and number("Thin Film Thickness") > 0:
-        look |= {"float film": 1.0, "float filmthickness": number("Thin Film Thickness"), "float filmeta": number("Thin Film IOR")}
-    look |= {**facets(reader, node, reader.value(node, "Roughness")), **reader.relief(node)}
-
-    def part(color, eta, **more):
-        return Surface(("latent:principled", {**look, **reader.set("color", "spectrum", color), **spectra.index(reader.settings, eta), **more}))
-
-    def opaque(color, share):
-        return part(color, (1 + root) / (1 - root), **reader.set("metallic", "float", share), **({"float specular": 0.0} if level == 0 else {}))
-
-    measured, bright = spectra.metal(reader.settings), raised(below, second_loss(reader, node, metallic, is_new))
-    metal = metallic.number() if is_constant(metallic) else 0
-    if metal < 1 and ior < 1 and is_new and transmission != WHITE:
-        graph.lost("gloss of an index below 1 is that of its inverse")
-    if metal == 1 and measured and is_constant(reader.value(node, "Roughness")):
-        surface = Surface(measured_metal(reader, node, measured, reader.value(node, "Roughness")))
-    elif metal == 1 or transmission == BLACK:
-        surface = opaque(bright, metallic)
-    else:
-        clear = product(transmission, constant(1 - metal))
-        if metal == 0:
-            rest = opaque(bright, BLACK)
-        elif is_new:  # all of the metal is in the rest
-            rest = opaque(bright, constant(metal / (1 - clear.number())))
-        else:  # transmission takes as much of the metal and the gloss, and more of what is matt
-            matt = product(bright, constant((1 - transmission.number()) / (1 - clear.number())))
-            rest = Surface(mixture(reader, opaque(matt, BLACK), opaque(bright, WHITE), metallic))
-        if look.pop("texture roughness", None):
-            look |= reader.set("roughness", "float", graph.constant(node, "Roughness"))
-        if reader.share(node, *COAT) != BLACK or is_new and number("Sheen Weight") > 0:
-            graph.lost("coat and sheen are left out where light passes")
-        passing = part(passed(reader, below) if is_new else below, ior, **{"float transmission": 1.0})
-        surface = passing if clear == WHITE else Surface(mixture(reader, rest, passing, clear))
-    strength, color = reader.value(node, "Emission Strength"), reader.value(node, "Emission Color", "Emission")
-    if not (is_constant(strength) and strength.number() == 0) and not (is_constant(color) and max(color.rgb) == 0):
-        surface.emission.append((color, strength))
-    surface.alpha = reader.share(node, "Alpha")
-    return surface
-
-
-def passed(reader, color):
-    """At each of two surfaces, since 4.0."""
-    if is_constant(color):
-        return each(math.sqrt, color)
-    reader.graph.lost("a texture of its colour tints glass twice")
-    return color
+        color = {"reflectance": reader.of(node, "Color")}
+    return reader.made("hair", shape, beta_m=reader.constant(node, "Roughness"), beta_n=reader.constant(node, "Radial Roughness"), **color)
 
 
 TRANSMISSION, COAT = ("Transmission Weight", "Transmission"), ("Coat Weight", "Clearcoat")
@@ -298,19 +221,90 @@ LACKING = (
     ("Coat IOR", constant(1.5), COAT, "the index of the coat is 1.5"),
     *((name, None, COAT, "the coat has the normals of the shape") for name in ("Coat Normal", "Clearcoat Normal")),
 )
+MEAN_GLOSS = 0.09  # the mean reflectance of a smooth surface of index 1.5 under light from everywhere
 
 
 def differs(value, expected):
     return not is_constant(value) or max(abs(c - e) for c, e in zip(value.rgb, expected.rgb)) > 1e-3
 
 
-# The mean reflectance of a smooth surface of index 1.5 under light from everywhere.
-MEAN_GLOSS = 0.09
+def principled(reader, node):
+    """Inputs have other names since Blender 4.0. What light passes is a material of its own, mixed with the rest."""
+    is_new, number, share = "Coat Weight" in node.inputs, functools.partial(reader.number, node), functools.partial(reader.share, node)
+    base, metallic, transmission, coat = reader.limited(reader.of(node, "Base Color"), "colour"), share("Metallic"), share(*TRANSMISSION), share(*COAT)
+    below = base if is_new else mix(base, reader.of(node, "Subsurface Color"), constant(number("Subsurface")))
+    for name, value, owners, what in LACKING:
+        socket = reader.input(node, name)
+        if socket and reader.of(node, *(owners or (name,))) != BLACK and (socket.is_linked or value is not None and differs(reader.of(node, name), value)):
+            reader.lost(what)
+    if transmission != BLACK and not (is_constant(metallic) and (is_constant(transmission) or metallic in (WHITE, BLACK))):
+        reader.lost("transmission beside a texture of metallic, or the reverse, is left out")
+        transmission = BLACK
+    ior, level, rough = number("IOR"), number("Specular IOR Level", "Specular"), share("Roughness")
+    root = math.sqrt(max(0.0, min(0.99, ((ior - 1) / (ior + 1)) ** 2 * 2 * level if is_new else 0.08 * level)))
+    values = {"roughness": rough, "coat": coat, "coatroughness": share("Coat Roughness", "Clearcoat Roughness")}
+    typed = {**reader.facets(node, reader.of(node, "Roughness")), **reader.relief(node)}
+    tint, neutral = reader.of(node, "Specular Tint"), WHITE if is_new else BLACK
+    if tint != neutral and not is_constant(tint, WHITE if is_new else base):
+        reader.lost("the tint of its gloss is white where it or the colour is a texture")
+    elif tint != neutral:
+        luminance = max(base.number(), 1e-6) if not is_new else 1
+        values["specularcolor"] = tint if is_new else mix(WHITE, each(lambda c: min(1.0, c / luminance), base), tint)
+    anisotropy = number("Anisotropic")
+    if anisotropy > 0 and is_constant(rough):
+        alpha, aspect = values.pop("roughness").number() ** 2, math.sqrt(1 - 0.9 * min(1.0, anisotropy))
+        typed |= reader.stretched(node, alpha / aspect, alpha * aspect, "Anisotropic Rotation")
+    has_sheen = is_new and number("Sheen Weight") > 0
+    if has_sheen:
+        values["sheen"] = product(reader.of(node, "Sheen Tint"), constant(number("Sheen Weight")))
+        typed["float sheenroughness"] = min(1.0, max(0.07, number("Sheen Roughness")))
+    if number("Thin Film Thickness") > 0:
+        typed |= {"float film": 1.0, "float filmthickness": number("Thin Film Thickness"), "float filmeta": number("Thin Film IOR")}
+
+    def part(color, eta, more=(), **others):
+        return reader.made("latent:principled", {**typed, **spectra.index(reader.settings, eta), **dict(more)}, **{**values, "color": color, **others})
+
+    def opaque(color, metallic):
+        return part(color, (1 + root) / (1 - root), {"float specular": 0.0} if level == 0 else {}, metallic=metallic)
+
+    metal = metallic.number() if is_constant(metallic) else 0
+    bright = raised(below, second_loss(coat, metallic, reader.of(node, "Specular IOR Level", "Specular"), is_new))
+    if metal < 1 and ior < 1 and is_new and transmission != WHITE:
+        reader.lost("gloss of an index below 1 is that of its inverse")
+    if metal == 1 or transmission == BLACK:
+        surface = metal == 1 and reader.measured_metal(node, reader.of(node, "Roughness")) or opaque(bright, metallic)
+    else:
+        clear = product(transmission, constant(1 - metal))
+        if metal == 0:
+            solid = opaque(bright, BLACK)
+        elif is_new:  # all of the metal is in the rest
+            solid = opaque(bright, constant(metal / (1 - clear.number())))
+        else:  # transmission takes as much of the metal and the gloss, and more of what is matt
+            matt = product(bright, constant((1 - transmission.number()) / (1 - clear.number())))
+            solid = reader.mixture(opaque(matt, BLACK), opaque(bright, WHITE), metallic)
+        if not is_constant(rough):
+            values["roughness"] = reader.constant(node, "Roughness")
+        if coat != BLACK or has_sheen:
+            reader.lost("coat and sheen are left out where light passes")
+        passing = part(passed(reader, below) if is_new else below, ior, {"float transmission": 1.0})
+        surface = passing if clear == WHITE else reader.mixture(solid, passing, clear)
+    strength, color = reader.of(node, "Emission Strength"), reader.of(node, "Emission Color", "Emission")
+    if strength != BLACK and (not is_constant(color) or max(color.rgb) != 0):
+        surface.emission.append((color, strength))
+    surface.alpha = share("Alpha")
+    return surface
 
 
-def second_loss(reader, node, metallic, is_new):
+def passed(reader, color):
+    """At each of two surfaces, since 4.0."""
+    if is_constant(color):
+        return each(math.sqrt, color)
+    reader.lost("a texture of its colour tints glass twice")
+    return color
+
+
+def second_loss(coat, metallic, level, is_new):
     """Light that Latent's layers take from what is below them on the way out, and Blender's do not: of a coat; before 4.0, of gloss, too."""
-    coat, level = reader.share(node, *COAT), reader.value(node, "Specular IOR Level", "Specular")
     if not is_constant(metallic, coat, level):
         return 0.0
     if is_new:
@@ -325,84 +319,55 @@ def raised(base, loss):
     return each(lambda c: min(1.0, c / (1 - loss)), base) if is_constant(base) else product(base, constant(1 / (1 - loss)))
 
 
-# Inputs of a Principled BSDF that mean the same in latent:principled.
-PRINCIPLED = {"roughness": ("Roughness",), "coat": COAT, "coatroughness": ("Coat Roughness", "Clearcoat Roughness")}
-
-
 def fresnel_pair(reader, node):
     """Diffuse below gloss, mixed by Fresnel: how plastic was made before the Principled BSDF."""
-    found = reader.graph.source(node.inputs[0])
-    kinds = [reader.graph.source(socket) for socket in node.inputs[1:3]]
-    names = [kind[0].type if kind else "" for kind in kinds]
-    if not (found and found[0].type in ("FRESNEL", "LAYER_WEIGHT") and found[1].name != "Facing" and names == ["BSDF_DIFFUSE", "BSDF_GLOSSY"]):
+    found, *shaders = (reader.source(socket) for socket in list(node.inputs)[:3])
+    if not found or found[0].type not in ("FRESNEL", "LAYER_WEIGHT") or found[1].name == "Facing":
         return None
-    weight, matt, gloss = found[0], kinds[0][0], kinds[1][0]
+    weight, (matt, gloss) = found[0], (shader and shader[0] for shader in shaders)
+    if not (matt and gloss and matt.type == "BSDF_DIFFUSE" and gloss.type == "BSDF_GLOSSY"):
+        return None
     eta = reader.number(weight, "IOR") if weight.type == "FRESNEL" else 1 / max(1e-3, 1 - reader.number(weight, "Blend"))
-    return Surface(("latent:principled", {**reader.set("color", "spectrum", reader.value(matt, "Color")),
-                                          **reader.set("roughness", "float", roughness(reader, gloss)), "float eta": eta, **reader.relief(gloss)}))
+    return reader.made("latent:principled", {"float eta": eta, **reader.relief(gloss)}, color=reader.of(matt, "Color"), roughness=roughness(reader, gloss))
 
 
 def mixed(reader, node):
-    around = reader.graph.groups
+    around = reader.groups
     plastic = fresnel_pair(reader, node)
-    reader.graph.groups = around
+    reader.groups = around
     if plastic:
         return plastic
-    amount, first, second = reader.graph.value(node.inputs[0]), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
-    if is_constant(amount):
-        amount = constant(min(1.0, max(0.0, amount.number())))
-        if amount.number() in (0.0, 1.0):
-            return second if amount.number() else first
-    rest = each(lambda c: 1 - c, amount) if is_constant(amount) else mix(WHITE, BLACK, amount)
+    amount, first, second = clamped(reader.value(node.inputs[0])), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
+    if amount in (BLACK, WHITE):
+        return second if amount == WHITE else first
     if second.is_clear:
-        return Surface(first.material, first.emission, product(first.alpha, rest))
+        return Surface(first.material, first.emission, product(first.alpha, rest(amount)))
     if first.is_clear:
         return Surface(second.material, second.emission, product(second.alpha, amount))
-    emitted = weighted(first.emission, rest) + weighted(second.emission, amount)
-    alpha = mix(first.alpha, second.alpha, amount)
-    if not first.material and not second.material:
-        return Surface(None, emitted, alpha)
-    return Surface(mixture(reader, first, second, amount), emitted, alpha)
-
-
-def mixture(reader, first, second, amount):
-    """A part that reflects nothing is black."""
-    names = [reader.document.material(*(part.material or MATT_BLACK)) for part in (first, second)]
-    return "mix", {"string materials": names, **reader.set("amount", "float", amount)}
-
-
-def weighted(emission, amount):
-    return [(color, product(strength, amount)) for color, strength in emission]
+    material = reader.mixture(first, second, amount).material if first.material or second.material else None
+    emitted = [(color, product(strength, share)) for part, share in ((first, rest(amount)), (second, amount)) for color, strength in part.emission]
+    return Surface(material, emitted, mix(first.alpha, second.alpha, amount))
 
 
 def added(reader, node):
     first, second = (reader.shader(socket) for socket in list(node.inputs)[:2])
-    alpha = first.alpha if first.material or not second.material else second.alpha
-    emitted = first.emission + second.emission
+    material = first.material or second.material
     if first.material and second.material:
-        reader.graph.lost("Add Shader of two surfaces is their mixture, half of each")
-        return Surface(mixture(reader, first, second, constant(0.5)), emitted, alpha)
-    return Surface(first.material or second.material, emitted, alpha)
-
-
-def matt(reader, node):
-    reader.graph.lost(f"shader {node.bl_label} is a matt one of its colour")
-    return Surface(("diffuse", reader.set("reflectance", "spectrum", reader.value(node, "Color"))))
+        reader.lost("Add Shader of two surfaces is their mixture, half of each")
+        material = reader.mixture(first, second, constant(0.5)).material
+    return Surface(material, first.emission + second.emission, first.alpha if first.material or not second.material else second.alpha)
 
 
 SHADERS = {
     "BSDF_DIFFUSE": diffuse,
-    "BSDF_TRANSLUCENT": lambda reader, node: Surface(("diffusetransmission", {"rgb reflectance": [0.0, 0.0, 0.0],
-                                                                              **reader.set("transmittance", "spectrum", reader.value(node, "Color"))})),
+    "BSDF_TRANSLUCENT": translucent,
     **dict.fromkeys(("BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"), glossy),
-    "BSDF_GLASS": glass,
-    "BSDF_REFRACTION": refraction,
+    **dict.fromkeys(("BSDF_GLASS", "BSDF_REFRACTION"), glass),
     "BSDF_TRANSPARENT": transparent,
     "BSDF_HAIR_PRINCIPLED": hair,
     "BSDF_PRINCIPLED": principled,
-    **dict.fromkeys(("BSDF_VELVET", "BSDF_SHEEN", "BSDF_TOON"), matt),
     "SUBSURFACE_SCATTERING": subsurface,
-    "EMISSION": lambda reader, node: Surface(None, [(reader.value(node, "Color"), reader.value(node, "Strength"))]),
+    "EMISSION": lambda reader, node: Surface(None, [(reader.of(node, "Color"), reader.of(node, "Strength"))]),
     "MIX_SHADER": mixed,
     "ADD_SHADER": added,
 }
@@ -414,50 +379,43 @@ SHADERS = {
 def export(document, material, report, files, light_name):
     """What an object of this material (None: the default) is written with."""
     if material is None or not (getattr(material, "use_nodes", True) and material.node_tree):
-        color = Constant(tuple(material.diffuse_color)[:3]) if material else constant(0.8)
-        name = document.material("diffuse", {"rgb reflectance": list(limited(color, "colour", report.of(f"material {material and material.name}")).rgb)})
-        return Exported([f'NamedMaterial "{name}"'], False, {}, Places())
-    places = Places()
-    graph = Graph(material.node_tree, report.of(f"material {material.name}"), places, files, material)
-    reader = Reader(document, graph, material.latent)
-    output = graph.output("OUTPUT_MATERIAL")
+        color = clamped(Constant(tuple(material.diffuse_color)[:3]) if material else constant(0.8))
+        return Exported([f'NamedMaterial "{document.material("diffuse", parameter(document, "reflectance", "spectrum", color))}"'], False, {}, Places())
+    reader = Reader(document, material, report, files)
+    output = reader.output("OUTPUT_MATERIAL")
     surface = reader.shader(output.inputs["Surface"]) if output else Surface()
-    places.settle(graph.lost)
+    reader.places.settle(reader.lost)
     if output and output.inputs["Displacement"].is_linked:
-        graph.lost("displacement is left out; use a modifier, or a Bump node")
-    inside = volumes.coefficients(output, graph) if output else None
+        reader.lost("displacement is left out; use a modifier, or a Bump node")
+    inside = output and volumes.coefficients(output, reader)
     lines = [f'MediumInterface "{document.medium("homogeneous", inside)}" ""'] if inside else []
     if surface.is_clear or inside and not output.inputs["Surface"].is_linked:
         lines.append('Material "interface"')
     else:
         kind, parameters = surface.material or MATT_BLACK
-        parameters = {**parameters, **spectra.reflectance(material.latent, kind, parameters)}
-        name = document.material(kind, parameters)
-        lines.append(f'NamedMaterial "{name}"')
-    lamps = [lamp for lamp in (area_light(graph, color, strength, light_name) for color, strength in surface.emission) if lamp]
+        lines.append(f'NamedMaterial "{document.material(kind, spectra.measured(reader.settings, kind, parameters))}"')
+    lamps = [lamp for lamp in (area_light(reader, color, strength, light_name) for color, strength in surface.emission) if lamp]
     if len(lamps) > 1:
-        graph.lost("of several emissions, only the first remains")
-    lines += lamps[:1]
-    alpha = {} if is_constant(surface.alpha) and surface.alpha.number() == 1 or surface.is_clear else parameter(document, "alpha", "float", surface.alpha)
-    return Exported(lines, bool(lamps), alpha, places)
+        reader.lost("of several emissions, only the first remains")
+    alpha = {} if surface.alpha == WHITE or surface.is_clear else parameter(document, "alpha", "float", surface.alpha)
+    return Exported(lines + lamps[:1], bool(lamps), alpha, reader.places)
 
 
-def area_light(graph, color, strength, name):
+def area_light(reader, color, strength, name):
     """Of a surface that emits on both sides. Radiances are in W/(m^2 sr), as Cycles'."""
     if not is_constant(strength):
-        graph.lost("the texture of the strength of an emission is its mean, 1")
+        reader.lost("the texture of the strength of an emission is its mean, 1")
         strength = WHITE
-    if is_constant(color):
-        if strength.number() < 0 or min(color.rgb) < 0:
-            graph.lost("negative emission is left out")
-        color = each(lambda c: max(0.0, c), color)
-    scale = strength.number()
-    common = {"bool twosided": True, "string name": name}
-    if isinstance(color, Picture) and not color.is_moved:
-        return directive("AreaLightSource", "diffuse", **{"string filename": color.parameters["string filename"], "float scale": scale, **common})
-    if not is_constant(color):
-        graph.lost("the texture of an emission is white")
+    if not is_constant(color) and (not color.is_picture or color.is_moved):
+        reader.lost("the texture of an emission is white")
         color = WHITE
-    if scale <= 0 or max(color.rgb) <= 0:
-        return None
-    return directive("AreaLightSource", "diffuse", **{"rgb L": list(color.rgb), "float scale": scale, **common})
+    scale, light = strength.number(), {}
+    if not is_constant(color):
+        light = {"string filename": color.parameters["string filename"]}
+    else:
+        if scale < 0 or min(color.rgb) < 0:
+            reader.lost("negative emission is left out")
+        if scale <= 0 or max(color.rgb) <= 0:
+            return None
+        light = {"rgb L": [max(0.0, c) for c in color.rgb]}
+    return directive("AreaLightSource", "diffuse", **light, **{"float scale": scale, "bool twosided": True, "string name": name})

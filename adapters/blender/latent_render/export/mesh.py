@@ -105,15 +105,15 @@ class Corners:
         return (at @ places.matrix.T)[:, :2].astype(np.float32), places.source[0] == "uv"
 
 
-def export(corners, slot_count, places_of, folder, lost):
-    """Files in `folder` for the materials that are used: [(slot, name)]. `places_of(slot)`: texture coordinates that are wanted."""
+def export(corners, places_of_slot, folder, lost):
+    """Files in `folder` for the materials that are used: [(slot, name)]. `places_of_slot`: texture coordinates that each wants."""
     written = []
-    slots = np.clip(corners.materials, 0, max(0, slot_count - 1))
+    slots = np.clip(corners.materials, 0, len(places_of_slot) - 1)
     for slot in np.unique(slots):
         mine = slots == slot
         everything = mine.all()
         triangles, loops = (corners.triangles, corners.loops) if everything else (corners.triangles[mine], corners.loops[mine])
-        places = places_of(int(slot))
+        places = places_of_slot[slot]
         columns = {"positions": (corners.positions, False), "normals": corners.normals, "uvs": corners.place(places, lost),
                    "colors": None if places.color is None else corners.colors(places.color)}
         if places.color is not None and columns["colors"] is None:

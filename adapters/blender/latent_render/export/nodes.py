@@ -1,50 +1,13 @@
-"""Values of Blender's shader nodes: constants as far as possible, otherwise textures of pbrt. Nodes are told apart by a table."""
+"""Values of Blender's shader nodes. Nodes are told apart by a table."""
 import math
 import operator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..develop import RGB_FROM_XYZ
-from .pictures import Constant, Picture, picture
+from .pictures import picture
 from .report import Unknown
-
-
-@dataclass
-class Pattern:
-    """Another texture of pbrt. `inputs`: parameters that are values themselves."""
-
-    kind: str
-    parameters: dict
-    inputs: dict
-
-
-WHITE, BLACK = Constant((1.0, 1.0, 1.0)), Constant((0.0, 0.0, 0.0))
-
-
-def constant(number):
-    return Constant((float(number),) * 3)
-
-
-def is_constant(*values):
-    return all(isinstance(value, Constant) for value in values)
-
-
-def parameter(document, name, kind, value):
-    """A parameter of a material: `kind` is float or spectrum."""
-    if is_constant(value):
-        return {f"rgb {name}": [max(0.0, c) for c in value.rgb]} if kind == "spectrum" else {f"float {name}": value.number()}
-    return {f"texture {name}": define(document, kind, value)}
-
-
-def define(document, kind, value):
-    """The name of the texture that is `value`."""
-    if isinstance(value, Picture):
-        return document.texture(kind, "imagemap", value.parameters)
-    inputs = {}
-    for name, inner in value.inputs.items():
-        inputs |= parameter(document, name, "float" if name in ("amount", "scale") else kind, inner)
-    return document.texture(kind, value.kind, {**value.parameters, **inputs})
+from .values import BLACK, WHITE, Constant, Texture, arithmetic, clamped, constant, each, is_constant, mix, product, rest
 
 
 def all_nodes(tree):
@@ -55,18 +18,12 @@ def all_nodes(tree):
             yield from all_nodes(node.node_tree)
 
 
-class NoSurface:
-    """In place of `places`, of a lamp, a world or a volume."""
-
-    def __getattr__(self, name):
-        raise Unknown("a texture that lies on no surface")
-
-
 class Graph:
-    """The nodes of one material, world or lamp. `places` says where pictures lie on the surface; `lost(what)` takes what is left out."""
+    """The nodes of one material, world or lamp. `places` says where pictures lie on the surface, if there is one; `lost(what)` takes what is
+    left out."""
 
     def __init__(self, tree, lost, places=None, files=None, material=None):
-        self.tree, self.lost, self.places, self.files, self.material = tree, lost, places or NoSurface(), files, material
+        self.tree, self.lost, self.places, self.files, self.material = tree, lost, places, files, material
         self.groups = []  # around the node that is being read
 
     # ----- links
@@ -79,26 +36,24 @@ class Graph:
     def source(self, socket):
         """The node and the output that feed an input, through reroutes, groups and muted nodes; None if nothing does."""
         while links := [link for link in socket.links if not link.is_muted]:
-            link = links[0]
-            node, output = link.from_node, link.from_socket
+            node, output = links[0].from_node, links[0].from_socket
             if node.type == "REROUTE":
                 socket = node.inputs[0]
             elif node.mute:
-                passed = [inner for inner in node.internal_links if inner.to_socket == output]
+                passed = [inner.from_socket for inner in node.internal_links if inner.to_socket == output]
                 if not passed:
                     break
-                socket = passed[0].from_socket
+                socket = passed[0]
             elif node.type == "GROUP" and node.node_tree:
                 ends = [end for end in node.node_tree.nodes if end.type == "GROUP_OUTPUT" and end.is_active_output]
                 if not ends:  # zero
-                    self.unlinked = None
-                    return None
+                    socket = None
+                    break
                 self.groups = [*self.groups, node]
                 socket = next(inner for inner in ends[0].inputs if inner.identifier == output.identifier)
             elif node.type == "GROUP_INPUT" and self.groups:
-                group = self.groups[-1]
+                socket = next(outer for outer in self.groups[-1].inputs if outer.identifier == output.identifier)
                 self.groups = self.groups[:-1]
-                socket = next(outer for outer in group.inputs if outer.identifier == output.identifier)
             else:
                 return node, output
         self.unlinked = socket
@@ -109,7 +64,7 @@ class Graph:
         around = self.groups
         found = self.source(socket)
         try:
-            return read(*found) if found else otherwise(self.unlinked if socket.is_linked else socket)
+            return read(*found) if found else otherwise(self.unlinked)
         finally:
             self.groups = around
 
@@ -120,23 +75,22 @@ class Graph:
     # ----- values
 
     def value(self, socket):
-        """A Constant, or a texture. What Latent cannot say is its default, and listed."""
+        """A Constant, or a Texture. What Latent cannot say is its default, and listed."""
         return self.follow(socket, self.evaluate, default)
 
     def evaluate(self, node, output):
-        read = VALUES.get(node.type)
         try:
-            if not read:
+            if node.type not in VALUES:
                 raise Unknown(f"node {node.bl_label}")
-            return read(self, node, output)
+            if self.places is None and node.type in ON_SURFACES:
+                raise Unknown("a texture that lies on no surface")
+            return VALUES[node.type](self, node, output)
         except Unknown as unknown:
             baked = self.files and self.files.baked(self, node, output)
             if baked:
                 return baked
             self.lost(f"{unknown} is replaced by a constant")
-            inputs = [socket for socket in node.inputs if socket.type in ("RGBA", "VALUE") and socket.enabled and not socket.is_linked]
-            colors = [default(socket) for socket in inputs if socket.type == "RGBA"]
-            return colors[0] if colors else constant(0.5)
+            return next((default(socket) for socket in node.inputs if socket.type == "RGBA" and socket.enabled and not socket.is_linked), constant(0.5))
 
     def of(self, node, *names):
         socket = self.input(node, *names)
@@ -158,38 +112,12 @@ class Graph:
 
 def default(socket):
     value = getattr(socket, "default_value", 0.0)
-    if hasattr(value, "__len__") and not isinstance(value, str):
-        return Constant(tuple(float(c) for c in list(value)[:3]))
-    return constant(value if isinstance(value, (int, float)) else 0.0)
+    if isinstance(value, (int, float)):
+        return constant(value)
+    return BLACK if isinstance(value, str) else Constant(tuple(map(float, value))[:3])
 
 
-# ----- arithmetic
-
-
-def each(function, *values):
-    return Constant(tuple(float(function(*components)) for components in zip(*(value.rgb for value in values))))
-
-
-def mix(first, second, amount):
-    if is_constant(first, second, amount):
-        return each(lambda a, b, t: a + (b - a) * t, first, second, amount)
-    if is_constant(amount) and amount.number() in (0.0, 1.0):
-        return second if amount.number() else first
-    if first == second:
-        return first
-    return Pattern("mix", {}, {"tex1": first, "tex2": second, "amount": amount})
-
-
-def product(first, second):
-    if is_constant(first, second):
-        return each(lambda a, b: a * b, first, second)
-    if is_constant(first):
-        first, second = second, first
-    if is_constant(second) and len(set(second.rgb)) > 1:
-        if not isinstance(first, Picture) or first.of_color:  # pbrt scales by numbers alone
-            raise Unknown("a colour times a picture")
-        return mix(BLACK, second, first)
-    return Pattern("scale", {}, {"tex": first, "scale": second})
+# ----- nodes
 
 
 BLENDS = {
@@ -209,63 +137,50 @@ MATHS = {
 }
 
 
-def arithmetic(function, *values):
-    if not is_constant(*values):
-        raise Unknown("arithmetic with a picture")
-    return each(function, *values)
-
-
-def clamped(graph, value, use):
-    if use and isinstance(value, Pattern):
+def result(graph, value, clamps):
+    if clamps and not is_constant(value) and not value.is_picture:
         graph.lost("a mixture of textures is not clamped")
-    return each(lambda c: min(1.0, max(0.0, c)), value) if use and is_constant(value) else value
-
-
-# ----- nodes
+    return clamped(value) if clamps else value
 
 
 def mix_rgb(graph, node, _):
     """Both that of 3.4, and the older one."""
     kind = getattr(node, "data_type", "RGBA")
-    blend, clamp = (node.blend_type, getattr(node, "use_clamp", False) or getattr(node, "clamp_result", False)) if kind == "RGBA" else ("MIX", False)
+    blend, clamps = (node.blend_type, getattr(node, "use_clamp", False) or getattr(node, "clamp_result", False)) if kind == "RGBA" else ("MIX", False)
     if kind not in ("RGBA", "FLOAT") or blend not in BLENDS:
         raise Unknown(f"Mix ({kind.lower()}, {blend.lower()})")
-    share = graph.of(node, "Factor", "Fac")
-    return clamped(graph, BLENDS[blend](graph.of(node, "A", "Color1"), graph.of(node, "B", "Color2"), clamped(graph, share, is_constant(share))), clamp)
+    share, first, second = graph.of(node, "Factor", "Fac"), graph.of(node, "A", "Color1"), graph.of(node, "B", "Color2")
+    return result(graph, BLENDS[blend](first, second, clamped(share)), clamps)
 
 
 def math_node(graph, node, _):
     first, second = (graph.value(socket) for socket in list(node.inputs)[:2])
     if node.operation == "MULTIPLY":
-        return clamped(graph, product(first, second), node.use_clamp)
-    if node.operation == "SUBTRACT" and is_constant(first) and first.number() == 1 and not is_constant(second):
-        return mix(WHITE, BLACK, second)
+        return result(graph, product(first, second), node.use_clamp)
+    if node.operation == "SUBTRACT" and first == WHITE and not is_constant(second):
+        return rest(second)
     if node.operation not in MATHS:
         raise Unknown(f"Math ({node.operation.lower()})")
-    return clamped(graph, arithmetic(MATHS[node.operation], first, second), node.use_clamp)
+    return result(graph, arithmetic(MATHS[node.operation], first, second), node.use_clamp)
 
 
 def ramp(graph, node, output):
     """Between two stops, a mixture. Of a constant, any ramp."""
+    shown = lambda color: constant(color[3]) if output.name == "Alpha" else Constant(tuple(color[:3]))  # noqa: E731
     amount, stops = graph.of(node, "Fac", "Factor"), node.color_ramp.elements
     if is_constant(amount):
-        color = node.color_ramp.evaluate(amount.number())
-        return constant(color[3]) if output.name == "Alpha" else Constant(tuple(color[:3]))
-    ends = [constant(stop.color[3]) if output.name == "Alpha" else Constant(tuple(stop.color[:3])) for stop in stops]
-    if len(stops) == 1:
-        return ends[0]
-    low, high = stops[0].position, stops[1].position
-    if len(stops) > 2 or node.color_ramp.interpolation != "LINEAR" or high - low < 1e-6 or low > 1e-6 or high < 1 - 1e-6:
+        return shown(node.color_ramp.evaluate(amount.number()))
+    if len(stops) > 1 and ([round(stop.position, 6) for stop in stops] != [0, 1] or node.color_ramp.interpolation != "LINEAR"):
         raise Unknown("Color Ramp with more than two stops, at 0 and 1, of a picture")
-    return mix(ends[0], ends[1], amount)
+    return mix(shown(stops[0].color), shown(stops[-1].color), amount)
 
 
 def invert(graph, node, _):
     color = graph.of(node, "Color")
     if is_constant(color):
         opposite = each(lambda c: 1 - c, color)
-    elif isinstance(color, Picture) and not color.parameters.get("bool invert"):
-        opposite = Picture({**color.parameters, "bool invert": True}, color.of_color)
+    elif color.is_picture and not color.parameters.get("bool invert"):
+        opposite = Texture("imagemap", {**color.parameters, "bool invert": True}, of_color=color.of_color)
     else:
         raise Unknown("Invert of a mixture")
     return mix(color, opposite, graph.of(node, "Fac", "Factor"))
@@ -291,12 +206,12 @@ def checker(graph, node, output):
     mapping = graph.places.relative(graph, node.inputs["Vector"], scale.number())
     if graph.places.source[0] != "uv":
         raise Unknown("Checker of space (give it a UV map)")
-    return Pattern("checkerboard", mapping, {"tex1": second, "tex2": first})
+    return Texture("checkerboard", mapping, {"tex1": second, "tex2": first})
 
 
 def vertex_color(graph, node, output):
     graph.places.need_color(node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name)
-    return Pattern("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {}, {})
+    return Texture("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {})
 
 
 def attribute(graph, node, output):
@@ -345,3 +260,4 @@ VALUES = {
     **dict.fromkeys(("FRESNEL", "LAYER_WEIGHT"), fresnel),
     "LIGHT_PATH": light_path,
 }
+ON_SURFACES = ("TEX_CHECKER", "TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE")

@@ -17,27 +17,30 @@ def value_of(value):
         return str(value)
     if isinstance(value, float):
         return f"{value:.9g}"
-    return "[ " + " ".join(value_of(item) for item in value) + " ]"
+    return "[ " + " ".join(map(value_of, value)) + " ]"
 
 
 def directive(word, *names, **parameters):
-    return with_parameters(" ".join([word, *map(quoted, names)]), parameters)
-
-
-def with_parameters(head, parameters):
     """`parameters`: "type name" to a value or several."""
-    return head + "".join(f" {quoted(key)} {value_of(value)}" for key, value in parameters.items())
+    return " ".join([word, *map(quoted, names), *(f"{quoted(key)} {value_of(value)}" for key, value in parameters.items())])
+
+
+def columns(rows):
+    """The numbers of a 4 x 4 matrix as pbrt stores them, one column after another. `rows`: as Blender's."""
+    return [number for column in zip(*rows) for number in column]
+
+
+MATRIX = "[ " + " ".join(["%.9g"] * 16) + " ]"
 
 
 def matrix(rows, word="Transform"):
-    """`rows`: 4 x 4, as Blender's. pbrt stores the columns one after another."""
-    return f"{word} [ " + " ".join(f"{rows[i][j]:.9g}" for j in range(4) for i in range(4)) + " ]"
+    return f"{word} {MATRIX % tuple(columns(rows))}"
 
 
 def moving(start, end, word="Transform"):
-    """Lines of a matrix that changes while the shutter is open."""
-    lines = [matrix(rows, word) for rows in (start, end)]
-    return lines[:1] if lines[0] == lines[1] else ["ActiveTransform StartTime", lines[0], "ActiveTransform EndTime", lines[1], "ActiveTransform All"]
+    """A matrix that changes while the shutter is open, by its columns."""
+    first, last = (f"{word} {MATRIX % tuple(numbers)}" for numbers in (start, end))
+    return first if first == last else f"ActiveTransform StartTime {first} ActiveTransform EndTime {last} ActiveTransform All"
 
 
 class Document:
@@ -47,31 +50,29 @@ class Document:
     def __init__(self):
         self.head, self.definitions, self.body = [], {}, []
 
-    def define(self, kind, make):
-        """Adds the definition `make(name)`, unless there is the same: returns its name."""
-        name = f"{kind} {hashlib.blake2b(make('').encode(), digest_size=6).hexdigest()}"
-        self.definitions.setdefault(name, make(name))
+    def define(self, kind, word, *names, **parameters):
+        """Adds a definition, unless there is the same: returns its name."""
+        digest = hashlib.blake2b(directive(word, *names, **parameters).encode(), digest_size=6).hexdigest()
+        name = f"{kind} {digest}"
+        self.definitions[name] = directive(word, name, *names, **parameters)
         return name
 
     def texture(self, kind, of, parameters):
         """`kind`: float or spectrum; `of`: such as imagemap."""
-        return self.define("texture", lambda name: with_parameters(f"Texture {quoted(name)} {quoted(kind)} {quoted(of)}", parameters))
+        return self.define("texture", "Texture", kind, of, **parameters)
 
     def material(self, of, parameters):
-        return self.define("material", lambda name: directive("MakeNamedMaterial", name, **{"string type": of, **parameters}))
+        return self.define("material", "MakeNamedMaterial", **{"string type": of, **parameters})
 
     def medium(self, of, parameters):
-        return self.define("medium", lambda name: directive("MakeNamedMedium", name, **{"string type": of, **parameters}))
+        return self.define("medium", "MakeNamedMedium", **{"string type": of, **parameters})
 
     def lines(self):
         yield from self.head
         yield "WorldBegin"
         yield from self.definitions.values()
         for item in self.body:
-            if isinstance(item, str):
-                yield item
-            else:
-                yield from item
+            yield from [item] if isinstance(item, str) else item
 
     def write(self, path):
         """Returns the digest of the text."""

@@ -1,4 +1,37 @@
 """What Latent cannot say of a scene, for the panel and the report."""
+import operator
+
+
+class Unknown(Exception):
+    """A node that Latent cannot say."""
+
+
+def find(block, *paths, otherwise):
+    """The first of some settings, such as "cycles.max_bounces", that this version of Blender has."""
+    for path in paths:
+        try:
+            return operator.attrgetter(path)(block)
+        except AttributeError:
+            pass
+    return otherwise
+
+
+def seen_by(path, *rays):
+    return tuple((path + ray, True, f"stays visible to {ray.replace('_', ' ')} rays") for ray in rays)
+
+
+# Settings: where they are, the only value that Latent has, and what is said of any other one.
+SETTINGS = {
+    "scene": (("render.film_transparent", False, "its transparent background is opaque"), ("render.use_multiview", False, "without stereoscopy, all views are that of the camera"),
+              ("cycles.film_exposure", 1, "the exposure of its film is 1; the darkroom has another one")),
+    "world": seen_by("cycles_visibility.", "camera", "diffuse", "glossy", "transmission", "scatter"),
+    "object": (*seen_by("visible_", "camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"),
+               ("is_shadow_catcher", False, "a shadow catcher is an ordinary surface"), ("light_linking.receiver_collection", None, "light linking is left out"),
+               ("light_linking.blocker_collection", None, "light linking is left out")),
+    "lamp": (*seen_by("visible_", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"), ("data.use_shadow", True, "it casts shadows"),
+             ("data.cycles.cast_shadow", True, "it casts shadows"), ("light_linking.receiver_collection", None, "light linking is left out"),
+             ("light_linking.blocker_collection", None, "light linking is left out")),
+}
 
 
 class Report:
@@ -13,6 +46,8 @@ class Report:
         """A function that takes what is lost of one owner."""
         return lambda what: self.lost(owner, what)
 
-
-class Unknown(Exception):
-    """A node that Latent cannot say."""
+    def settings(self, kind, block):
+        """Lists those of a data block that Latent lacks."""
+        for path, usual, what in SETTINGS[kind]:
+            if find(block, path, otherwise=usual) != usual:
+                self.lost(f"{kind} {block.name}", what)

@@ -1,7 +1,7 @@
 """Spectra that the panel chooses: metals and glasses by name, dispersion, lamps, measured reflectances."""
 import csv
 
-from .pictures import Constant
+from .values import Constant
 
 METALS = ["Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"]
 GLASSES = ["BK7", "BAF10", "FK51A", "LASF9", "SF5", "SF10", "SF11"]
@@ -45,16 +45,15 @@ def table(path):
     return [number for pair in pairs for number in pair]
 
 
-def reflectance(settings, kind, parameters):
-    """Replaces the colour of a material by a measured one."""
+def measured(settings, kind, parameters):
+    """Those of a material whose colour is a measured one, if the panel names it."""
     import bpy
 
     name = {"diffuse": "reflectance", "latent:principled": "color", "conductor": "reflectance"}.get(kind)
     if not settings.reflectance or name is None:
-        return {}
-    for key in [key for key in parameters if key.split()[1] in (name, "eta", "k") and (kind == "conductor" or key.split()[1] == name)]:
-        parameters.pop(key)
-    return {f"spectrum {name}": table(bpy.path.abspath(settings.reflectance))}
+        return parameters
+    replaced = ("eta", "k") if kind == "conductor" else (name,)
+    return {**{key: value for key, value in parameters.items() if key.split()[1] not in replaced}, f"spectrum {name}": table(bpy.path.abspath(settings.reflectance))}
 
 
 def lamp(settings, key, color):

@@ -4,7 +4,8 @@ import numpy as np
 
 from .nodes import Graph, all_nodes
 from .pbrt import directive, matrix
-from .pictures import ENCODINGS, Places
+from .pictures import ENCODINGS
+from .places import coordinates
 from .report import Unknown
 
 # Blender's longitude runs the other way round, and begins at the other side, than pbrt's.
@@ -17,9 +18,7 @@ def export(world, files, portals, report, bake):
     if world is None:
         return lights(*DARK)
     lost = report.of(f"world {world.name}")
-    hidden = [ray for ray in ("camera", "diffuse", "glossy", "transmission", "scatter") if not getattr(getattr(world, "cycles_visibility", None), ray, True)]
-    if hidden:
-        lost(f"stays visible to {', '.join(hidden)} rays")
+    report.settings("world", world)
     if not world.node_tree or not getattr(world, "use_nodes", True):
         return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals)
     graph = Graph(world.node_tree, lost)
@@ -64,7 +63,7 @@ def simple(node, graph, files, portals):
     is_known = image and image.source in ("FILE", "GENERATED") and (image.is_float or image.colorspace_settings.name in ENCODINGS)
     if picture.type != "TEX_ENVIRONMENT" or picture.projection != "EQUIRECTANGULAR" or not is_known:
         raise Unknown("world")
-    source, turn = Places().coordinates(graph, picture.inputs["Vector"])
+    source, turn = coordinates(graph, picture.inputs["Vector"])
     if source != ("generated",) or turn[:3, 3].any() or not np.allclose(turn[:3, :3] @ turn[:3, :3].T, np.eye(3), atol=1e-5):
         raise Unknown("world")
     return lights(["string filename", files.sky(image)], strength, np.linalg.inv(turn) @ FLIPPED, portals)
