@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import bpy  # noqa: E402
-from blender_parts import ball, diffuse, in_front, lamp, plane, principled, sky, start  # noqa: E402
+from blender_parts import ball, diffuse, end, in_front, lamp, plane, principled, sky, start  # noqa: E402
 from latent_render import engine  # noqa: E402
 
 folder, samples = sys.argv[-2:]
@@ -31,8 +31,10 @@ def cost(what, work):
     print("RESULT " + json.dumps({"what": what, "seconds": time.monotonic() - begin, "cpu": cpu() - used}), flush=True)
 
 
+show = engine.LatentEngine.show
+engine.LatentEngine.show = lambda *words: cost("pictures of all lights after F12", lambda: show(*words))
 bpy.ops.render.render()
-print("RESULT " + json.dumps({"what": "pictures of all lights after F12", "seconds": engine.last["seconds"]["develop"], "cpu": None}), flush=True)
+engine.LatentEngine.show = show
 darkroom = scene.latent.darkroom
 cost("first look", bpy.ops.latent.develop)
 for number, light in enumerate(darkroom.mix):
@@ -42,3 +44,4 @@ cost("another spectrum of a light", bpy.ops.latent.develop)
 cost("a factor after that", lambda: setattr(darkroom.mix[0], "factor", 0.1))
 darkroom.observer = "canon_eos_5d"
 cost("another observer, printed", bpy.ops.latent.develop)
+end()

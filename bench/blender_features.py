@@ -15,7 +15,7 @@ import sys
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-from blender_parts import (NEW, SIZE, above, ball, diffuse, in_front, lamp, lit_floor, material, on_show, picture_image, plane,
+from blender_parts import (NEW, SIZE, above, ball, diffuse, end, in_front, lamp, lit_floor, material, on_show, picture_image, plane,
                            principled, put, shot, side_by_side, sky, start, with_texture)  # noqa: E402
 import bpy  # noqa: E402
 import latent_render  # noqa: E402
@@ -783,3 +783,4 @@ def main():
 if __name__ == "__main__":
     main()
     latent_render.unregister()
+    end()

@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import bpy  # noqa: E402
-from blender_parts import ball, in_front, lamp, material, plane, principled, put, shot, side_by_side, sky, socket, start  # noqa: E402
+from blender_parts import ball, end, in_front, lamp, material, plane, principled, put, shot, side_by_side, sky, socket, start  # noqa: E402
 import latent_render  # noqa: E402
 import numpy as np  # noqa: E402
 
@@ -151,6 +151,7 @@ def main():
         print("RESULT " + json.dumps({"name": name, "error": 100 * float(np.median(blocks[0] / blocks[1]) - 1), "seconds": seconds,
                                       "cycles": cycles_seconds, "lost": lost, "picture": str(folder / f"{name}.png")}), flush=True)
     latent_render.unregister()
+    end()
 
 
 if __name__ == "__main__":

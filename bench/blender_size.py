@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from blender_parts import above, ball, diffuse, material, start, with_texture  # noqa: E402
+from blender_parts import above, ball, diffuse, end, material, start, with_texture  # noqa: E402
 from latent_render import engine  # noqa: E402
 
 folder, what = (sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
@@ -70,6 +70,7 @@ try:
     bpy.ops.render.render()
 except RuntimeError as failure:
     assert "exported" in str(failure), failure
+seconds = time.monotonic() - begin
 size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-print("RESULT " + json.dumps({"count": count, "seconds": engine.last["seconds"].get("export", time.monotonic() - begin), "bytes": size}), flush=True)
-sys.exit(0)  # Blender itself would end with 1, for the render that was stopped
+print("RESULT " + json.dumps({"count": count, "seconds": seconds, "bytes": size}), flush=True)
+end()

@@ -156,11 +156,11 @@ class Settings:
 
 
 class Jobs(unittest.TestCase):
-    def begin(self, folder, text, parts, words=(), wanted=64):
+    def begin(self, folder, text, parts, wanted=64, **changed):
         document = pbrt.Document()
         document.body = [text]
         mine = job.Job(folder, "frame")
-        return mine, mine.begin(document.write(f"{folder}/scene.pbrt"), job.options(Settings, None, False) + list(words), parts, None, wanted)
+        return mine, mine.begin(document.write(f"{folder}/scene.pbrt"), {**job.options(Settings, None, False), **changed}, parts, None, wanted)
 
     def test_what_changed_is_said_and_earlier_samples_are_kept_until_they_are_removed(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -177,8 +177,8 @@ class Jobs(unittest.TestCase):
             self.assertEqual(job.Job(folder, "frame").samples, second.samples)
             self.assertIn("back to an earlier job", self.begin(folder, "A", {"lamp Key": "1", "world": "2"})[1])
             self.assertEqual(job.old(folder), [])
-            word = self.begin(folder, "A", {"lamp Key": "1", "world": "2"}, ["--light-groups", "--clamp", "3"])[1]
-            self.assertIn("new job: light groups, --clamp changed", word)
+            word = self.begin(folder, "A", {"lamp Key": "1", "world": "2"}, seed=["--seed", "3"], records=["--record", "xyz"])[1]
+            self.assertIn("new job: records, seed changed", word)
 
     def test_missing_samples_are_said_to_be_added_only_where_some_are_missing(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,5 @@
 """The render engine: F12 exports, renders, develops and shows."""
 import os
-import time
 import traceback
 
 import bpy
@@ -10,7 +9,7 @@ from . import baking, develop, job, tools
 from .export import camera
 from .export.scene import Exporter
 
-last = {"word": "", "lost": [], "samples": "", "wanted": [], "seconds": {}}  # of the last render, for the panels
+last = {"word": "", "lost": [], "samples": "", "wanted": []}  # of the last render, for the panels
 planned = None  # a list while a farm is planned: the scene of each frame, and its options
 
 
@@ -69,33 +68,28 @@ class LatentEngine(bpy.types.RenderEngine):
         settings, folder = scene.latent, folder_of(scene)
         samples = depsgraph.view_layer_eval.samples or settings.samples
         render = program("latent-render")
-        begin = time.monotonic()
         self.say("exporting")
         name = "scene" if planned is None else f"frame-{scene.frame_current:04d}"
         exported = Exporter(depsgraph, folder, settings, lambda world: baking.world(world, folder)).export(name, self.frame_set)
-        words = job.options(settings, exported.aperture, exported.moves)
+        options = job.options(settings, exported.aperture, exported.moves)
+        words = sum(options.values(), [])
         exported.digest.update(tools.said(render, "--version").encode())  # another renderer may make other samples
         if planned is not None:
             planned.append((exported.path, words))
             return self.fill(scene, layer, {})
         mine = job.Job(folder, name_of(scene, layer))
-        word = mine.begin(exported.digest, words, exported.parts, exported.aperture, samples)
+        word = mine.begin(exported.digest, options, exported.parts, exported.aperture, samples)
         self.lost, self.wanted = {**self.lost, **dict.fromkeys(exported.lost)}, {**self.wanted, **dict.fromkeys(exported.wanted)}
-        last.update(word=word, lost=list(self.lost), samples=mine.samples, wanted=list(self.wanted), seconds={"export": time.monotonic() - begin})
-        print(f"Latent: {word}")
-        for line in exported.lost:
-            print(f"Latent: not exported: {line}")
+        last.update(word=word, lost=list(self.lost), samples=mine.samples, wanted=list(self.wanted))
+        print("\n".join([f"Latent: {word}", *(f"Latent: not exported: {line}" for line in exported.lost)]))
         if exported.lost:
             self.report({"WARNING"}, f"Latent: {len(exported.lost)} things were not exported as they are; the panel lists them")
         self.say(word)
-        begin = time.monotonic()
         command = [render, exported.path, "-o", mine.samples, "--spp", samples, "--checkpoint", "5s", "--json", *words]
         report, warnings = tools.run(command, lambda share: self.progress(share, word), self.stopped)
         print("\n".join(warnings))
         if report is not None:
             mine.finish(samples)
-        last["seconds"]["render"] = time.monotonic() - begin
-        begin = time.monotonic()
         self.say("developing")
         try:
             self.show(scene, layer, mine)
@@ -103,7 +97,6 @@ class LatentEngine(bpy.types.RenderEngine):
             if report is not None:
                 raise
             self.fill(scene, layer, {})  # interrupted before anything was committed
-        last["seconds"]["develop"] = time.monotonic() - begin
         self.say(f"done; {word}" if report is not None else "interrupted; F12 resumes")
 
     def stopped(self):

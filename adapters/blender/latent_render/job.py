@@ -14,24 +14,11 @@ from . import develop, tools
 
 
 def options(settings, aperture, moves):
-    """Arguments of latent-render that make another job if they change."""
+    """Arguments of latent-render that make another job if they change, by their names in the panels."""
     aovs = [name.lower() for name in ("ALBEDO", "NORMAL", "DEPTH", "POSITION") if name in settings.layers]
     aovs += (["lens"] if aperture else []) + (["time"] if settings.keep_time and moves else [])
-    words = ["--record", settings.record.lower(), "--seed", str(settings.seed)] + (["--light-groups"] if settings.light_groups != "NONE" else [])
-    return words + (["--aov", ",".join(aovs)] if aovs else []) + settings.render_options.split()
-
-
-NAMES = {"--record": "records", "--seed": "seed", "--light-groups": "light groups", "--aov": "passes"}
-
-
-def parts_of(words):
-    """Each option, by its name in the panel, and its value."""
-    parts, name = {}, ""
-    for word in words:
-        if word.startswith("--"):
-            name = NAMES.get(word, word)
-        parts[name] = f"{parts.get(name, '')} {word}"
-    return parts
+    return {"records": ["--record", settings.record.lower()], "seed": ["--seed", str(settings.seed)], "further options": settings.render_options.split(),
+            "light groups": ["--light-groups"] if settings.light_groups != "NONE" else [], "passes": ["--aov", ",".join(aovs)] if aovs else []}
 
 
 class Job:
@@ -42,11 +29,11 @@ class Job:
         self.note = read(self.path)
         self.samples = os.path.join(folder, f"{name}-{self.note['key']}.latent") if self.note else ""
 
-    def begin(self, digest, words, parts, aperture, wanted):
+    def begin(self, digest, options, parts, aperture, wanted):
         """Takes the place of the last job. `wanted`: samples per pixel. Returns what will happen: a line for the user."""
-        digest = digest.copy()
-        digest.update("\0".join(words).encode())
-        last, key, parts = self.note, digest.hexdigest()[:12], {**parts, **parts_of(words)}
+        digest, parts = digest.copy(), {**parts, **{name: " ".join(words) for name, words in options.items()}}
+        digest.update("\0".join(parts[name] for name in options).encode())
+        last, key = self.note, digest.hexdigest()[:12]
         self.samples = os.path.join(os.path.dirname(self.path), f"{self.name}-{key}.latent")
         there = os.path.exists(self.samples)
         done = (last or {}).get("done", {})  # samples per pixel, by key
@@ -78,7 +65,7 @@ class Job:
     @property
     def has_lights(self):
         """Whether the light of each lamp is kept apart."""
-        return NAMES["--light-groups"] in self.note["parts"]
+        return bool(self.note["parts"].get("light groups"))
 
     def develop(self, program, picture, words, layers=(), stop=lambda: False):
         """A picture by these options: its channels, and where it is. It is developed into `picture` unless F12 or the darkroom has done so."""

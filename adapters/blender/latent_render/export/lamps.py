@@ -22,18 +22,17 @@ def strength(lamp, lost):
         return color, None
     graph = Graph(lamp.node_tree, lost)
     output = graph.output("OUTPUT_LIGHT")
-    found = graph.source(output.inputs["Surface"]) if output else None
-    if not found or found[0].type != "EMISSION":
+    node, _ = output and graph.source(output.inputs["Surface"]) or (None, None)
+    if not node or node.type != "EMISSION":
         lost("its nodes are ignored: no Emission leads to the output")
         return color, None
-    node = found[0]
-    texture = graph.source(node.inputs["Strength"])
-    profile = read_profile(graph, texture[0], lost) if texture and texture[0].type == "TEX_IES" else None
-    values = [graph.of(node, "Color"), graph.of(texture[0] if profile else node, "Strength")]
-    if not is_constant(*values):
+    texture, _ = graph.source(node.inputs["Strength"]) or (None, None)
+    profile = read_profile(graph, texture, lost) if texture and texture.type == "TEX_IES" else None
+    emitted, amount = graph.of(node, "Color"), graph.of(texture if profile else node, "Strength")
+    if not is_constant(emitted, amount):
         lost("a texture of its nodes is ignored")
         return color, None
-    return [c * n * values[1].number() for c, n in zip(color, values[0].rgb)], profile
+    return [c * n * amount.number() for c, n in zip(color, emitted.rgb)], profile
 
 
 def divisor(lamp):
@@ -58,54 +57,53 @@ class Lamp:
     """`scene_ball`: centre and radius of all there is; `sees(center, radius)`: whether a ball may be in the picture."""
 
     def __init__(self, owner, name, report, files, scene_ball, sees):
-        self.owner, self.lamp, self.name, self.files, self.scene_ball, self.sees = owner, owner.data, name, files, scene_ball, sees
+        self.owner, self.data, self.name, self.files, self.scene_ball, self.sees = owner, owner.data, name, files, scene_ball, sees
         self.lost, self.lost_of_all = report.of(f"lamp {owner.name}"), report.of("lamps")
-        self.color, self.profile = strength(self.lamp, self.lost)
+        self.color, self.profile = strength(self.data, self.lost)
 
     def export(self, pose):
         """Directives of the lamp at `pose`."""
-        lamp, color, lost = self.lamp, self.color, self.lost
-        if not np.isfinite([lamp.energy, *color, *np.ravel(pose)]).all():
-            lost("is left out: its light or its place is no number")
+        watts, color, kind = self.data.energy, self.color, self.data.type
+        if not np.isfinite([watts, *color, *np.ravel(pose)]).all():
+            self.lost("is left out: its light or its place is no number")
             return []
-        if lamp.energy < 0 or min(color) < 0:
-            lost("negative light is left out")
-        if lamp.energy <= 0 or min(color) < 0 or max(color) <= 0:
+        if watts < 0 or min(color) < 0:
+            self.lost("negative light is left out")
+        if watts <= 0 or min(color) < 0 or max(color) <= 0:
             return []
         axes = np.array(pose.to_3x3().normalized())
-        if lamp.type in ("SPOT", "AREA") and np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
-            lost("its shear is left out")
-        if self.profile and lamp.type in ("SUN", "AREA"):
-            lost("its IES profile is left out: only points and spots have one")
-        return ["AttributeBegin", *MAKERS[lamp.type](self, pose), "AttributeEnd"]
+        if kind in ("SPOT", "AREA") and np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
+            self.lost("its shear is left out")
+        if self.profile and kind in ("SUN", "AREA"):
+            self.lost("its IES profile is left out: only points and spots have one")
+        place, *lines = MAKERS[kind](self, pose, watts)
+        return ["AttributeBegin", matrix(place), *lines, "AttributeEnd"]
 
     def source(self, kind, key, scale, word="LightSource", **more):
-        spectrum, factor = spectra.lamp(self.lamp.latent, key, self.color)
+        spectrum, factor = spectra.lamp(self.data.latent, key, self.color)
         return directive(word, kind, **{**spectrum, "float scale": float(scale * factor), "string name": self.name, **more})
 
     def surface(self, kind, shape, center, radius, radiance, **more):
         """A shape that emits, within a ball: its parameters. An unseen one shines all the same: only rays do not meet it."""
-        settings = self.lamp.latent
-        visible = settings.visible == "ALWAYS" or settings.visible == "AUTO" and (self.owner.visible_camera or not self.sees(center, radius))
-        hidden = {} if visible else {"float alpha": 0.0}
-        if settings.visible == "AUTO" and not visible:
+        way = self.data.latent.visible
+        visible = way == "ALWAYS" or way == "AUTO" and (self.owner.visible_camera or not self.sees(center, radius))
+        if way == "AUTO" and not visible:
             self.lost_of_all("mirrors do not show those that the camera does not see, and gloss is noisier (Visible in their panel changes that)")
         return ['Material "diffuse" "rgb reflectance" [ 0 0 0 ]', self.source("diffuse", "L", radiance, "AreaLightSource", **more),
-                directive("Shape", kind, **shape, **hidden)]
+                directive("Shape", kind, **shape, **({} if visible else {"float alpha": 0.0}))]
 
-    def by_direction(self, pose, share=1.0):
+    def by_direction(self, pose, watts, share=1.0):
         """A point whose light depends on the direction: on its profile, and on `share`, a picture as profiles have."""
         self.has_no_size()
         picture = (ies.WATTS * self.profile.picture() if self.profile else 1) * share
+        place = [[row[i] for i in (0, 2, 1, 3)] for row in at(pose)]  # pbrt exchanges y and z of these lights
         if picture.max() <= 0:
             self.lost("is left out: its profile or its cone is empty")
-            return []
-        place = [[row[i] for i in (0, 2, 1, 3)] for row in at(pose)]  # pbrt exchanges y and z of these lights
-        return [matrix(place), self.source("goniometric", "I", self.lamp.energy / (4 * math.pi),
-                                              **{"string filename": self.files.drawn(picture[..., None])})]
+            return [place]
+        return [place, self.source("goniometric", "I", watts / (4 * math.pi), **{"string filename": self.files.drawn(picture[..., None])})]
 
     def has_no_size(self):
-        if self.lamp.shadow_soft_size > 1e-6:
+        if self.data.shadow_soft_size > 1e-6:
             unseen = ", so the camera does not see it" if self.owner.visible_camera else ""
             self.lost(f"its size is left out{unseen}: its shadows are sharp")
 
@@ -115,44 +113,46 @@ def at(pose):
     return Matrix.LocRotScale(pose.translation, pose.to_quaternion(), Vector((-1, -1, -1)) if pose.is_negative else None)
 
 
-def point(lamp, pose):
-    radius, watts = lamp.lamp.shadow_soft_size, lamp.lamp.energy
+# ----- each kind: its place, and its lines
+
+ALONG_Z = {"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]}
+
+
+def point(lamp, pose, watts):
+    radius = lamp.data.shadow_soft_size
     if lamp.profile:
-        return lamp.by_direction(pose)
+        return lamp.by_direction(pose, watts)
     if radius < 1e-6:
-        return [matrix(at(pose)), lamp.source("point", "I", watts / (4 * math.pi))]
-    return [matrix(at(pose)), *lamp.surface("sphere", {"float radius": radius}, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
+        return [at(pose), lamp.source("point", "I", watts / (4 * math.pi))]
+    return [at(pose), *lamp.surface("sphere", {"float radius": radius}, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
 
 
-def spot(lamp, pose):
+def spot(lamp, pose, watts):
     """The edge is a smoothstep of the cosine, as pbrt's."""
-    cone = lamp.lamp.spot_size / 2
+    cone = lamp.data.spot_size / 2
     outer = math.cos(cone)
-    inner = outer + (1 - outer) * lamp.lamp.spot_blend
+    inner = outer + (1 - outer) * lamp.data.spot_blend
     stretch = np.maximum(1e-6, np.abs(pose.to_scale())) if bpy.app.version >= (4, 0, 0) else np.ones(3)
     if lamp.profile or np.ptp(stretch) > 1e-4 * stretch.max():
         local = ies.directions() / stretch
         rise = np.clip((-local[..., 2] / np.linalg.norm(local, axis=-1) - outer) / max(inner - outer, 1e-6), 0, 1)
-        return lamp.by_direction(pose, rise * rise * (3 - 2 * rise))
+        return lamp.by_direction(pose, watts, rise * rise * (3 - 2 * rise))
     lamp.has_no_size()
-    return [matrix(at(pose)), lamp.source("spot", "I", lamp.lamp.energy / (4 * math.pi),
-                                          **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0], "float coneangle": math.degrees(cone),
-                                             "float conedeltaangle": math.degrees(max(0.0, cone - math.acos(min(1.0, inner))))})]
+    edge = {"float coneangle": math.degrees(cone), "float conedeltaangle": math.degrees(max(0.0, cone - math.acos(min(1.0, inner))))}
+    return [at(pose), lamp.source("spot", "I", watts / (4 * math.pi), **ALONG_Z, **edge)]
 
 
-def sun(lamp, pose):
+def sun(lamp, pose, watts):
     """With an angle: a disk so far away that its light falls off by less than a thousandth across the scene."""
-    half = lamp.lamp.angle / 2
-    turned = at(pose)
+    half, turned = lamp.data.angle / 2, at(pose)
     turned.translation = (0, 0, 0)
     if half < 1e-5:
-        return [matrix(turned), lamp.source("distant", "L", lamp.lamp.energy, **{"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]})]
+        return [turned, lamp.source("distant", "L", watts, **ALONG_Z)]
     center, distance = lamp.scene_ball[0], 2000 * lamp.scene_ball[1]
-    radius = distance * math.tan(half)
-    turned.translation = center + distance * turned.col[2].xyz
-    radiance = lamp.lamp.energy / (math.pi * math.sin(half) ** 2)
+    turned.translation, radius = center + distance * turned.col[2].xyz, distance * math.tan(half)
     # The disk faces along its +z, and shines along -z.
-    return [matrix(turned), "ReverseOrientation", *lamp.surface("disk", {"float radius": radius}, turned.translation, radius, radiance)]
+    return [turned, "ReverseOrientation",
+            *lamp.surface("disk", {"float radius": radius}, turned.translation, radius, watts / (math.pi * math.sin(half) ** 2))]
 
 
 # Watts of an area lamp for each unit of radiance and area: Blender 3's counted pi / 4 of the power.
@@ -163,26 +163,22 @@ def sides(data):
     return data.size, data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
 
 
-def area(lamp, pose):
-    data = lamp.lamp
-    wide, high = sides(data)
-    stretch = pose.to_scale()
-    wide, high = wide * abs(stretch.x), high * abs(stretch.y)
-    surface = wide * high * (math.pi / 4 if data.shape in ("DISK", "ELLIPSE") else 1)
+def area(lamp, pose, watts):
+    data, is_round = lamp.data, lamp.data.shape in ("DISK", "ELLIPSE")
+    wide, high = (side * abs(stretch) for side, stretch in zip(sides(data), pose.to_scale()))
+    surface = wide * high * (math.pi / 4 if is_round else 1)
     if surface <= 0:
         lamp.lost("an area of no size is left out")
-        return []
-    radiance, more = data.energy / (AREA_FACTOR * (surface if getattr(data, "normalize", True) else 1)), {}
-    spread = getattr(data, "spread", math.pi)
-    if spread < math.pi - 1e-3:
+        return [at(pose)]
+    radiance, more = watts / (AREA_FACTOR * (surface if getattr(data, "normalize", True) else 1)), {}
+    if data.spread < math.pi - 1e-3:
         lamp.lost("its spread is a power of the cosine of equal half-width")
-        more, radiance = spread_of(spread, radiance)
+        more, radiance = spread_of(data.spread, radiance)
     x, y, ball = wide / 2, high / 2, (pose.translation, math.hypot(wide, high) / 2)
-    if data.shape in ("DISK", "ELLIPSE"):
-        scaled = matrix(np.diag([x, y, 1, 1]), "ConcatTransform")
-        return [matrix(at(pose)), scaled, "ReverseOrientation", *lamp.surface("disk", {"float radius": 1.0}, *ball, radiance, **more)]
+    if is_round:
+        return [at(pose) @ Matrix.Diagonal((x, y, 1, 1)), "ReverseOrientation", *lamp.surface("disk", {"float radius": 1.0}, *ball, radiance, **more)]
     corners = [-x, -y, 0.0, -x, y, 0.0, x, -y, 0.0, x, y, 0.0]  # facing -z
-    return [matrix(at(pose)), *lamp.surface("bilinearmesh", {"point3 P": corners, "integer indices": [0, 1, 2, 3]}, *ball, radiance, **more)]
+    return [at(pose), *lamp.surface("bilinearmesh", {"point3 P": corners, "integer indices": [0, 1, 2, 3]}, *ball, radiance, **more)]
 
 
 def spread_of(spread, radiance):

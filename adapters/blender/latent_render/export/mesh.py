@@ -110,9 +110,7 @@ def export(corners, places_of_slot, folder, lost):
     written = []
     slots = np.clip(corners.materials, 0, len(places_of_slot) - 1)
     for slot in np.unique(slots):
-        mine = slots == slot
-        everything = mine.all()
-        triangles, loops = (corners.triangles, corners.loops) if everything else (corners.triangles[mine], corners.loops[mine])
+        at, loop = (numbers[slots == slot].ravel() for numbers in (corners.triangles, corners.loops))
         places = places_of_slot[slot]
         columns = {"positions": (corners.positions, False), "normals": corners.normals, "uvs": corners.place(places, lost),
                    "colors": None if places.color is None else corners.colors(places.color)}
@@ -123,16 +121,7 @@ def export(corners, places_of_slot, folder, lost):
         if broken:
             lost(f"is left out: some of its {' and '.join(broken)} are no numbers")
             return []
-        if any(of_corners for _, of_corners in columns.values()):
-            at, loop = triangles.ravel(), loops.ravel()
-            own = [data[loop] for data, of_corners in columns.values() if of_corners]
-            stands, vertex = ply.shared([at.astype(np.uint32), *own])
-            kept = {name: data[(loop if of_corners else at)[stands]] for name, (data, of_corners) in columns.items()}
-            triangles = vertex.reshape(-1, 3)
-        else:
-            kept = {name: data for name, (data, _) in columns.items()}
-            if not everything:
-                used, vertex = np.unique(triangles, return_inverse=True)
-                kept, triangles = {name: data[used] for name, data in kept.items()}, vertex.reshape(-1, 3)
-        written.append((int(slot), ply.store(*ply.encode(triangles=triangles, **kept), folder)))
+        stands, vertex = ply.shared([at.astype(np.uint32), *(data[loop] for data, of_corners in columns.values() if of_corners)])
+        kept = {name: data[(loop if of_corners else at)[stands]] for name, (data, of_corners) in columns.items()}
+        written.append((int(slot), ply.store(*ply.encode(triangles=vertex.reshape(-1, 3), **kept), folder)))
     return written

@@ -4,6 +4,8 @@ import os
 import shutil
 import subprocess
 
+import bpy
+
 from .nodes import Graph
 from .pbrt import directive, matrix
 from .report import Unknown
@@ -17,18 +19,31 @@ def coefficients(output, graph):
     return graph.follow(socket, lambda node, _: of_node(graph, node), lambda _: None) if socket.is_linked else None
 
 
+# Shares of light that nodes absorb of what they do not scatter, by constants; None: the square root of a colour is kept.
+ABSORBING = {"VOLUME_ABSORPTION": 1.0, "VOLUME_SCATTER": 0.0, "PRINCIPLED_VOLUME": None}
+
+
 def of_node(graph, node):
-    if node.type not in MEDIA:
+    """Cycles' coefficients. An input that a node lacks is 0."""
+    if node.type not in ABSORBING:
         graph.lost(f"volume {node.bl_label} is left out")
         return None
-    scatter, absorb, emit, g = MEDIA[node.type](graph, node)
-    parameters = {"rgb sigma_s": list(scatter), "rgb sigma_a": list(absorb), "float g": g}
-    if emit and max(emit) > 0:
+    if getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
+        graph.lost(f"{node.bl_label}: light scatters by Henyey and Greenstein")
+    if graph.number(node, "Blackbody Intensity") > 0:
+        graph.lost("the blackbody emission of a volume is left out")
+    density, share, tint = graph.number(node, "Density"), ABSORBING[node.type], graph.constant(node, "Color").rgb
+    absorbed = [1 - max(0.0, a) ** 0.5 for a in graph.constant(node, "Absorption Color").rgb] if share is None else [share] * 3
+    absorb = [density * max(0.0, 1 - c) * max(0.0, a) for c, a in zip(tint, absorbed)]
+    scatter = [density * c * (node.type != "VOLUME_ABSORPTION") for c in tint]
+    parameters = {"rgb sigma_s": scatter, "rgb sigma_a": absorb, "float g": graph.number(node, "Anisotropy")}
+    emit = [graph.number(node, "Emission Strength") * c for c in graph.constant(node, "Emission Color").rgb]
+    if max(emit) > 0:
         # pbrt's media emit sigma_a Le; Blender's emit, whatever they absorb.
-        if min(absorb) <= 0:
-            graph.lost("emission of a volume that absorbs nothing is left out")
-        else:
+        if min(absorb) > 0:
             parameters["rgb Le"] = [e / a for e, a in zip(emit, absorb)]
+        else:
+            graph.lost("emission of a volume that absorbs nothing is left out")
     return parameters
 
 
@@ -62,8 +77,6 @@ def voxels(owner, pose, folder, report):
 
 def converted(owner, folder):
     """The path of a NanoVDB file with the grids of a volume object."""
-    import bpy
-
     program = shutil.which(CONVERTER)
     if not program:
         raise Unknown(f"{CONVERTER} is not on the PATH (Debian has it in libnanovdb-tools)")
@@ -87,28 +100,3 @@ def converted(owner, folder):
     if path == saved:
         os.remove(saved)
     return made
-
-
-def absorption(graph, node):
-    return (0.0, 0.0, 0.0), [graph.number(node, "Density") * (1 - c) for c in graph.constant(node, "Color").rgb], None, 0.0
-
-
-def scattering(graph, node):
-    if getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
-        graph.lost(f"{node.bl_label}: light scatters by Henyey and Greenstein")
-    return [graph.number(node, "Density") * c for c in graph.constant(node, "Color").rgb], (0.0, 0.0, 0.0), None, graph.number(node, "Anisotropy")
-
-
-def principled(graph, node):
-    """Cycles' coefficients: what is not scattered is absorbed, but for the square root of the absorption colour."""
-    density = graph.number(node, "Density")
-    tint, absorbed = graph.constant(node, "Color").rgb, graph.constant(node, "Absorption Color").rgb
-    scatter = [density * c for c in tint]
-    absorb = [density * max(0.0, 1 - c) * max(0.0, 1 - max(0.0, a) ** 0.5) for c, a in zip(tint, absorbed)]
-    if graph.number(node, "Blackbody Intensity") > 0:
-        graph.lost("the blackbody emission of a volume is left out")
-    strength = graph.number(node, "Emission Strength")
-    return scatter, absorb, [strength * c for c in graph.constant(node, "Emission Color").rgb], graph.number(node, "Anisotropy")
-
-
-MEDIA = {"VOLUME_ABSORPTION": absorption, "VOLUME_SCATTER": scattering, "PRINCIPLED_VOLUME": principled}

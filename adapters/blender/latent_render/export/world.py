@@ -10,54 +10,58 @@ from .report import Unknown
 
 # Blender's longitude runs the other way round, and begins at the other side, than pbrt's.
 FLIPPED = np.diag([-1.0, 1.0, 1.0, 1.0])
-DARK = ["rgb L", [0.0, 0.0, 0.0]], 1.0, np.eye(4), []
 
 
 def export(world, files, portals, report, bake):
-    """Directives. `bake(world)`: the path of a picture of it."""
+    """Directives: one light, or one for each portal. `bake(world)`: the path of a picture of it."""
+    radiance, scale, place = light(world, files, report, bake) or ({"rgb L": [0.0, 0.0, 0.0]}, 1.0, np.eye(4))
+    parameters = {**radiance, "float scale": float(scale), "string name": "World"}
+    through = [{"point3 portal": [float(c) for corner in corners for c in corner]} for corners in portals]
+    return ["AttributeBegin", matrix(place), *(directive("LightSource", "infinite", **parameters, **portal) for portal in through or [{}]), "AttributeEnd"]
+
+
+def light(world, files, report, bake):
+    """What the radiance is, its scale and its place; None: there is none."""
     if world is None:
-        return lights(*DARK)
+        return None
     lost = report.of(f"world {world.name}")
     report.settings("world", world)
     if not world.node_tree or not getattr(world, "use_nodes", True):
-        return lights(["rgb L", list(world.color)], 1.0, np.eye(4), portals)
-    graph = Graph(world.node_tree, lost)
+        return {"rgb L": list(world.color)}, 1.0, np.eye(4)
+    graph, nodes = Graph(world.node_tree, lost), list(all_nodes(world.node_tree))
     output = graph.output("OUTPUT_WORLD")
     if output and output.inputs["Volume"].is_linked:
         lost("the volume of a world is left out")
     found = output and graph.source(output.inputs["Surface"])
     if not found:
-        return lights(*DARK)
-    if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in all_nodes(world.node_tree)):
+        return None
+    if any(node.type == "LIGHT_PATH" and any(made.is_linked for made in node.outputs) for node in nodes):
         lost("all of its Light Path is 0: the camera, too, sees what lights the scene")
     try:
-        return simple(found[0], graph, files, portals)
+        return simple(found[0], graph, files)
     except Unknown:
-        for image in {node.image for node in all_nodes(world.node_tree) if getattr(node, "image", None)}:
+        for image in {node.image for node in nodes if getattr(node, "image", None)}:
             if not image.size[0]:
                 lost(f"the file of image {image.name} is missing")
-        if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in all_nodes(world.node_tree)):
+        if any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in nodes):
             lost("the sun of its Sky Texture is as coarse as the baked picture; a Sun lamp is exact")
-        path = bake(world)
-        if path is None:
-            lost("is black, for its nodes could not be baked")
-            return lights(*DARK)
-        return lights(["string filename", path], 1.0, FLIPPED, portals)
+    path = bake(world)
+    if path is None:
+        lost("is black, for its nodes could not be baked")
+    return path and ({"string filename": path}, 1.0, FLIPPED)
 
 
-def simple(node, graph, files, portals):
+def simple(node, graph, files):
     """A Background of a colour or a picture; raises Unknown otherwise."""
     amount = graph.source(node.inputs[0]) if node.type == "MIX_SHADER" else None
     if amount and amount[0].type == "LIGHT_PATH":
         lit = graph.source(node.inputs[1])
-        return simple(lit[0], graph, files, portals) if lit else lights(*DARK)
+        return lit and simple(lit[0], graph, files)
     if node.type != "BACKGROUND" or node.inputs["Strength"].is_linked:
         raise Unknown("world")
-    strength = node.inputs["Strength"].default_value
-    found = graph.source(node.inputs["Color"])
+    strength, found = max(0.0, node.inputs["Strength"].default_value), graph.source(node.inputs["Color"])
     if found is None or found[0].type in ("RGB", "BLACKBODY"):
-        color = graph.constant(node, "Color").rgb
-        return lights(["rgb L", [max(0.0, c) for c in color]], max(0.0, strength), np.eye(4), portals)
+        return {"rgb L": [max(0.0, c) for c in graph.constant(node, "Color").rgb]}, strength, np.eye(4)
     picture = found[0]
     image = getattr(picture, "image", None)
     is_known = image and image.source in ("FILE", "GENERATED") and (image.is_float or image.colorspace_settings.name in ENCODINGS)
@@ -66,16 +70,4 @@ def simple(node, graph, files, portals):
     source, turn = coordinates(graph, picture.inputs["Vector"])
     if source != ("generated",) or turn[:3, 3].any() or not np.allclose(turn[:3, :3] @ turn[:3, :3].T, np.eye(3), atol=1e-5):
         raise Unknown("world")
-    return lights(["string filename", files.sky(image)], strength, np.linalg.inv(turn) @ FLIPPED, portals)
-
-
-def lights(spectrum, scale, place, portals):
-    """One light, or one for each portal."""
-    parameters = {spectrum[0]: spectrum[1], "float scale": float(scale), "string name": "World"}
-    lines = ["AttributeBegin", matrix(place)]
-    for corners in portals or [None]:
-        through = {"point3 portal": [float(c) for corner in corners for c in corner]} if corners else {}
-        lines.append(directive("LightSource", "infinite", **parameters, **through))
-    return [*lines, "AttributeEnd"]
-
-
+    return {"string filename": files.sky(image)}, strength, np.linalg.inv(turn) @ FLIPPED
