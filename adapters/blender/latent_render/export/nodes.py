@@ -210,14 +210,12 @@ def checker(graph, node, output):
 
 
 def vertex_color(graph, node, output):
-    graph.places.need_color(node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name)
+    """Of a Color Attribute or an Attribute node."""
+    name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
+    if node.type == "ATTRIBUTE" and (node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor")):
+        raise Unknown(f"Attribute {name}")
+    graph.places.need_color(name)
     return Texture("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {})
-
-
-def attribute(graph, node, output):
-    if node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor"):
-        raise Unknown(f"Attribute {node.attribute_name}")
-    return vertex_color(graph, node, output)
 
 
 def fresnel(graph, node, output):
@@ -255,8 +253,7 @@ VALUES = {
     "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
     "TEX_CHECKER": checker,
     "TEX_IMAGE": picture,
-    "VERTEX_COLOR": vertex_color,
-    "ATTRIBUTE": attribute,
+    **dict.fromkeys(("VERTEX_COLOR", "ATTRIBUTE"), vertex_color),
     **dict.fromkeys(("FRESNEL", "LAYER_WEIGHT"), fresnel),
     "LIGHT_PATH": light_path,
 }

@@ -21,16 +21,16 @@ def seen_by(path, *rays):
 
 
 # Settings: where they are, the only value that Latent has, and what is said of any other one.
+LINKING = tuple((f"light_linking.{which}_collection", None, "light linking is left out") for which in ("receiver", "blocker"))
 SETTINGS = {
-    "scene": (("render.film_transparent", False, "its transparent background is opaque"), ("render.use_multiview", False, "without stereoscopy, all views are that of the camera"),
+    "scene": (("render.film_transparent", False, "its transparent background is opaque"),
+              ("render.use_multiview", False, "without stereoscopy, all views are that of the camera"),
               ("cycles.film_exposure", 1, "the exposure of its film is 1; the darkroom has another one")),
     "world": seen_by("cycles_visibility.", "camera", "diffuse", "glossy", "transmission", "scatter"),
     "object": (*seen_by("visible_", "camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"),
-               ("is_shadow_catcher", False, "a shadow catcher is an ordinary surface"), ("light_linking.receiver_collection", None, "light linking is left out"),
-               ("light_linking.blocker_collection", None, "light linking is left out")),
+               ("is_shadow_catcher", False, "a shadow catcher is an ordinary surface"), *LINKING),
     "lamp": (*seen_by("visible_", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"), ("data.use_shadow", True, "it casts shadows"),
-             ("data.cycles.cast_shadow", True, "it casts shadows"), ("light_linking.receiver_collection", None, "light linking is left out"),
-             ("light_linking.blocker_collection", None, "light linking is left out")),
+             ("data.cycles.cast_shadow", True, "it casts shadows"), *LINKING),
 }
 
 

@@ -209,18 +209,22 @@ class Exporter:
 
     def model(self, owner):
         """That of other objects, too, which have the same data and materials."""
-        key = (owner.data.as_pointer(), *(slot.material.as_pointer() if slot.material and slot.link == "OBJECT" else 0 for slot in owner.material_slots))
-        if any(self.lookup(material, owner).emits for material in self.slots(owner)):
-            key = (*key, self.group(owner.original))
-        if key not in self.models:
-            self.models[key] = self.read_strands(owner, f"object {owner.name}", 0, curves.hair_curves(owner.data)) if owner.type == "CURVES" else self.read_mesh(owner)
+        materials = self.slots(owner)
+        emits = any(self.lookup(material, owner).emits for material in materials)
+        key = owner.data.as_pointer(), *(material and material.name_full for material in materials), self.group(owner.original) if emits else ""
+        if key not in self.models and owner.type == "CURVES":
+            self.models[key] = self.read_strands(owner, f"object {owner.name}", 0, curves.hair_curves(owner.data))
+        elif key not in self.models:
+            self.models[key] = self.read_mesh(owner)
         return self.models[key]
 
     def slots(self, owner):
         """The materials of an object, by slot: at least one, which may be None."""
-        of_data = list(owner.data.materials) if hasattr(owner.data, "materials") else []
-        mine = [slot.material for slot in owner.material_slots]
-        return [mine[i] if i < len(mine) and (owner.material_slots[i].link == "OBJECT" or not material) else material for i, material in enumerate(of_data)] or mine or [None]
+        materials = list(getattr(owner.data, "materials", ()))
+        for i, slot in enumerate(owner.material_slots):
+            if i < len(materials) and (slot.link == "OBJECT" or not materials[i]):
+                materials[i] = slot.material
+        return materials or [slot.material for slot in owner.material_slots] or [None]
 
     def lookup(self, material, owner):
         """A material as it is written. One that emits is another one in each light group."""
