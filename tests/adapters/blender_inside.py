@@ -236,7 +236,22 @@ for name in [name for name in wrong if name in bright.inputs and (name != "IOR" 
     render()
     check(f"{name} of {wrong[name][0]} is listed", [wrong[name][1] in line for line in engine.last["lost"]] == [True], engine.last["lost"])
     tree.nodes.remove(source)
+source = tree.nodes.new("ShaderNodeTexImage")
+source.image = bpy.data.images.new("tint", 4, 4)
+link = tree.links.new(source.outputs["Color"], bright.inputs["Specular Tint"])
+render()
+check("a picture of the tint of gloss is listed", ["tint of its gloss" in line for line in engine.last["lost"]] == [True], engine.last["lost"])
+tree.nodes.remove(source)
 tree.nodes.remove(bright)
+
+# A table of reflectances replaces the colour of its own material, and no other one.
+(folder / "dark.csv").write_text("400,0.25\n700,0.25\n")
+floor.latent.reflectance = str(folder / "dark.csv")
+render()
+check("a floor of a quarter has half of the light of one of a half", np.allclose(picture().mean((0, 1)), expected / 2, rtol=5e-3), picture().mean((0, 1)))
+floor.latent.reflectance = ""
+render()
+check("and is black without the table, for it has no shader", picture().max() < 3e-3, picture().max())
 tree.links.new(matt.outputs[0], output.inputs["Surface"])
 
 # A frame without light is black.

@@ -30,8 +30,9 @@ def export(scene, owner, poses, report):
     place = moving(*(columns(rows) for rows in (world_to_camera[0], world_to_camera[-1])))
     parameters = {"float shutteropen": 0.0, "float shutterclose": 1.0} if len(poses) > 1 else {}
     if data.type == "PANO":
-        kind, west, east, south, north = (find(data, name, f"cycles.{name}", otherwise=None)
-                                          for name in ("panorama_type", "longitude_min", "longitude_max", "latitude_min", "latitude_max"))
+        kind = find(data, "panorama_type", "cycles.panorama_type", otherwise="EQUIRECTANGULAR")
+        west, east, south, north = (find(data, name, f"cycles.{name}", otherwise=0)
+                                    for name in ("longitude_min", "longitude_max", "latitude_min", "latitude_max"))
         if kind != "EQUIRECTANGULAR":
             lost(f"panorama {kind.lower()} is equirectangular, the only one")
         elif east - west < 6.28 or north - south < 3.14:
