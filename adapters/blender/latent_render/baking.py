@@ -14,12 +14,6 @@ import bpy
 import numpy as np
 
 
-def command(job):
-    if bpy.app.binary_path:
-        return [bpy.app.binary_path, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", __file__, "--", job]
-    return [sys.executable, __file__, job]
-
-
 def fingerprint(tree, seen=()):
     """Everything in a node tree that decides its picture, as text."""
     plain = lambda value: list(value) if hasattr(value, "__len__") and not isinstance(value, (str, set)) else str(value)  # noqa: E731
@@ -51,7 +45,9 @@ def run(folder, block, **job):
     bpy.data.libraries.write(library, {block}, fake_user=True)
     with open(path, "w") as file:
         json.dump({"library": library, **job}, file)
-    done = subprocess.run(command(path), stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    blender = [bpy.app.binary_path, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", __file__, "--"]
+    command = blender if bpy.app.binary_path else [sys.executable, __file__]
+    done = subprocess.run([*command, path], stdin=subprocess.DEVNULL, capture_output=True, text=True)
     for made in (library, path):
         os.remove(made)
     if done.returncode:

@@ -100,7 +100,7 @@ def picture(context, program=None):
     """A function that makes what the panel asks for, before lights are mixed: its channels and its path. It needs no Blender, and ends early if
     what it is given says so. Without a program, it fails if the picture is not there yet."""
     settings, last = context.scene.latent.darkroom, job_of(context)
-    layers = ["lights"] if settings.adds_up and last.has_lights else []
+    layers = ["lights"] if settings.adds_up and last.note["parts"].get("light groups") else []
     path, words = os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"])
     return lambda stop=lambda: False: last.develop(program, path, words, layers, stop)
 

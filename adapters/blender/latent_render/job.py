@@ -62,11 +62,6 @@ class Job:
         """Its samples, whole or interrupted."""
         return sorted(glob.glob(glob.escape(self.samples) + "*")) if self.samples else []
 
-    @property
-    def has_lights(self):
-        """Whether the light of each lamp is kept apart."""
-        return bool(self.note["parts"].get("light groups"))
-
     def develop(self, program, picture, words, layers=(), stop=lambda: False):
         """A picture by these options: its channels, and where it is. It is developed into `picture` unless F12 or the darkroom has done so."""
         key, known = [*words, *(f"{path} {os.stat(path).st_mtime_ns}" for path in self.files)], self.note.get("developed", {})

@@ -29,12 +29,6 @@ def share_done(text):
     return int(found[-1][0]) / int(found[-1][1]) if found else None
 
 
-def last_words(lines):
-    """What a program said when it failed."""
-    remedy = ["If this file is damaged, delete it; F12 makes new samples"] if any(".latent: " in line for line in lines) else []
-    return "\n".join([*lines[-12:], *remedy]) or "it gave no reason"
-
-
 @functools.lru_cache
 def said(path, option):
     return subprocess.run([path, option], capture_output=True, text=True, stdin=subprocess.DEVNULL).stdout.strip()
@@ -65,5 +59,6 @@ def run(command, progress=lambda share: None, stop=lambda: False):
     if stopped and child.returncode in (INTERRUPTED, -signal.SIGTERM):
         return None, lines
     if child.returncode not in (0, 3):
-        raise Failure(last_words(lines))
+        remedy = ["If this file is damaged, delete it; F12 makes new samples"] if any(".latent: " in line for line in lines) else []
+        raise Failure("\n".join([*lines[-12:], *remedy]) or "it gave no reason")
     return json.loads(out) if out.strip() else {}, lines

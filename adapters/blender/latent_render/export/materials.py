@@ -118,10 +118,10 @@ class Reader(Graph):
 
     def measured_metal(self, node, rough):
         """By the panel, if it names one."""
-        metal = spectra.metal(self.settings)
-        if not metal or not is_constant(rough):
+        name = self.settings.metal
+        if name == "NONE" or not is_constant(rough):
             return None
-        alpha = self.limited(rough, "roughness").number() ** 2
+        alpha, metal = self.limited(rough, "roughness").number() ** 2, {"spectrum eta": f"metal-{name}-eta", "spectrum k": f"metal-{name}-k"}
         return Surface(("conductor", {**metal, "float roughness": alpha, "bool remaproughness": False, **self.facets(node, rough, "latent:"), **self.relief(node)}))
 
 
@@ -268,7 +268,7 @@ def principled(reader, node):
         return part(color, (1 + root) / (1 - root), {"float specular": 0.0} if level == 0 else {}, metallic=metallic)
 
     metal = metallic.number() if is_constant(metallic) else 0
-    bright = raised(below, second_loss(coat, metallic, reader.of(node, "Specular IOR Level", "Specular"), is_new))
+    bright = raised(below, coat, metallic, reader.of(node, "Specular IOR Level", "Specular"), is_new)
     if metal < 1 and ior < 1 and is_new and transmission != WHITE:
         reader.lost("gloss of an index below 1 is that of its inverse")
     if metal == 1 or transmission == BLACK:
@@ -303,20 +303,12 @@ def passed(reader, color):
     return color
 
 
-def second_loss(coat, metallic, level, is_new):
-    """Light that Latent's layers take from what is below them on the way out, and Blender's do not: of a coat; before 4.0, of gloss, too."""
-    if not is_constant(metallic, coat, level):
-        return 0.0
-    if is_new:
-        return MEAN_GLOSS * coat.number()
-    return MEAN_GLOSS * (0.25 * coat.number() + min(1.0, 2 * level.number()) * (1 - metallic.number()))
-
-
-def raised(base, loss):
-    """A colour that is as bright after that loss."""
-    if loss == 0:
+def raised(base, coat, metallic, level, is_new):
+    """A colour that is as bright in spite of what Latent's layers take from it on the way out, and Blender's do not: a coat; before 4.0, gloss."""
+    if not is_constant(coat, metallic, level):
         return base
-    return each(lambda c: min(1.0, c / (1 - loss)), base) if is_constant(base) else product(base, constant(1 / (1 - loss)))
+    loss = MEAN_GLOSS * (coat.number() if is_new else 0.25 * coat.number() + min(1.0, 2 * level.number()) * (1 - metallic.number()))
+    return each(lambda c: min(1.0, c / (1 - loss)), base) if is_constant(base) else product(base, constant(1 / (1 - loss))) if loss else base
 
 
 def fresnel_pair(reader, node):
@@ -337,7 +329,9 @@ def mixed(reader, node):
     reader.groups = around
     if plastic:
         return plastic
-    amount, first, second = clamped(reader.value(node.inputs[0])), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
+    amount, first, second = reader.value(node.inputs[0]), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
+    if is_constant(amount):
+        amount = clamped(constant(amount.number()))
     if amount in (BLACK, WHITE):
         return second if amount == WHITE else first
     if second.is_clear:

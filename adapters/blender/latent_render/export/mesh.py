@@ -66,19 +66,16 @@ class Corners:
         """The face of each corner of the polygons."""
         return np.repeat(np.arange(len(self.mesh.polygons)), read(self.mesh.polygons, "loop_total", 1, np.int32))
 
-    def generated(self):
-        """Texture space: from 0 to 1 over the box of the mesh."""
-        low = np.array(self.mesh.texspace_location) - np.array(self.mesh.texspace_size)
-        return (self.positions - low) / np.maximum(2 * np.array(self.mesh.texspace_size), 1e-9)
+    def local(self, points):
+        """In texture space: from -1 to 1 over the box of the mesh."""
+        return (points - np.array(self.mesh.texspace_location)) / np.maximum(np.array(self.mesh.texspace_size), 1e-9)
 
     def radial(self, axis, lost):
         """Of each corner: turns about the axis through the middle, and the height or, where a face lies across the axis, the distance.
         The turns of a face do not jump, and those of a corner on the axis are those of its face."""
-        mesh = self.mesh
-        middle, roll = np.array(mesh.texspace_location), 2 - "XYZ".index(axis)
-        turned, of_face = lambda points: np.roll(points, roll, 1), self.of_face()
-        at = turned((self.positions - middle) / np.maximum(np.array(mesh.texspace_size), 1e-9))[read(mesh.loops, "vertex_index", 1, np.int32)]
-        faces = turned((read(mesh.polygons, "center", 3) - middle) / np.maximum(np.array(mesh.texspace_size), 1e-9))[of_face]
+        mesh, of_face, turned = self.mesh, self.of_face(), lambda points: np.roll(points, 2 - "XYZ".index(axis), 1)
+        at = turned(self.local(self.positions))[read(mesh.loops, "vertex_index", 1, np.int32)]
+        faces = turned(self.local(read(mesh.polygons, "center", 3)))[of_face]
         turns = np.arctan2(faces[:, 1], faces[:, 0]) / (2 * np.pi)
         distance = np.hypot(at[:, 0], at[:, 1])
         ahead = np.where(distance > 1e-4, (np.arctan2(at[:, 1], at[:, 0]) / (2 * np.pi) - turns + 0.5) % 1 - 0.5, 0)
@@ -100,7 +97,7 @@ class Corners:
                 return None
             at = np.c_[uv, np.zeros(len(uv)), np.ones(len(uv))]
         else:
-            points = self.generated() if places.source[0] == "generated" else self.positions
+            points = (self.local(self.positions) + 1) / 2 if places.source[0] == "generated" else self.positions
             at = np.c_[points, np.ones(len(points))]
         return (at @ places.matrix.T)[:, :2].astype(np.float32), places.source[0] == "uv"
 

@@ -187,14 +187,14 @@ class Exporter:
 
     def add_lamp(self, instance, owner):
         pose, key = instance.matrix_world.copy(), self.key(instance)
-        if lamps.is_portal(owner) and self.settings.portals:
-            self.portals.append(lamps.portal(owner, pose))
-        elif lamps.is_portal(owner):
-            self.report.lost(f"lamp {owner.name}", "a portal is left out; the job's panel can send the sky through portals only")
-        else:
+        if not lamps.is_portal(owner):
             self.lamps.append((owner, pose))
             if self.closed.get(key) not in (None, self.opened.get(key)):
                 self.report.lost(f"lamp {owner.name}", "its motion is left out")
+        elif self.settings.portals:
+            self.portals.append(lamps.portal(owner, pose))
+        else:
+            self.report.lost(f"lamp {owner.name}", "a portal is left out; the job's panel can send the sky through portals only")
 
     def add_shape(self, instance, owner):
         who = owner.name_full, owner.data.as_pointer()

@@ -10,13 +10,6 @@ LAMPS = [("stdillum-A", "Incandescent (A)"), ("stdillum-D50", "Daylight D50"), (
 D_NM, F_NM, C_NM = 587.6, 486.1, 656.3  # the lines of an Abbe number
 
 
-def metal(settings):
-    """Measured n and k, if the panel names a metal."""
-    if settings.metal == "NONE":
-        return {}
-    return {"spectrum eta": f"metal-{settings.metal}-eta", "spectrum k": f"metal-{settings.metal}-k"}
-
-
 def cauchy(ior, abbe):
     """n = a + b / lambda^2, by the index at 587.6 nm and the Abbe number (n_d - 1) / (n_F - n_C): wavelengths and indices in turn."""
     b = (ior - 1) / (abbe * (F_NM**-2 - C_NM**-2))
