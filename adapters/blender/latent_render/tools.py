@@ -29,11 +29,11 @@ def share_done(text):
     return int(found[-1][0]) / int(found[-1][1]) if found else None
 
 
-@functools.lru_cache
 def said(path, option):
     return subprocess.run([path, option], capture_output=True, text=True, stdin=subprocess.DEVNULL).stdout.strip()
 
 
+@functools.lru_cache
 def listed(path, kind, option):
     """What a program lists, such as films: a name and a line about it, of those that are for --KIND."""
     sections = re.findall(rf"\(--{kind}\).*\n((?: .*\n?)*)", said(path, option))

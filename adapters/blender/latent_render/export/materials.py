@@ -308,7 +308,9 @@ def raised(base, coat, metallic, level, is_new):
     if not is_constant(coat, metallic, level):
         return base
     loss = MEAN_GLOSS * (coat.number() if is_new else 0.25 * coat.number() + min(1.0, 2 * level.number()) * (1 - metallic.number()))
-    return each(lambda c: min(1.0, c / (1 - loss)), base) if is_constant(base) else product(base, constant(1 / (1 - loss))) if loss else base
+    if is_constant(base):
+        return each(lambda c: min(1.0, c / (1 - loss)), base)
+    return product(base, constant(1 / (1 - loss))) if loss else base
 
 
 def fresnel_pair(reader, node):
