@@ -260,6 +260,11 @@ class Nodes(unittest.TestCase):
         outer = FakeNode("MATH", [FakeSocket("a", 0.0, source=inner), FakeSocket("b", 0.25)], operation="MULTIPLY", use_clamp=True)
         self.assertEqual(self.graph.value(FakeSocket("x", 0.0, source=outer)), values.constant(1.0))
 
+    def test_a_power_that_is_no_number_is_0(self):
+        for base, exponent, expected in ((2, 3, 8), (-2, 3, -8), (0, 0, 1), (0, -1, 0), (-2, 0.5, 0), (100, 1000, 0)):
+            node = FakeNode("MATH", [FakeSocket("a", float(base)), FakeSocket("b", float(exponent))], operation="POWER", use_clamp=False)
+            self.assertEqual(self.graph.value(FakeSocket("x", 0.0, source=node)).number(), expected, (base, exponent))
+
     def test_every_blend_of_constants_is_that_of_its_definition(self):
         a, b = values.constant(0.5), values.constant(0.25)
         for blend, expected in {"MIX": 0.375, "MULTIPLY": 0.3125, "ADD": 0.625, "SUBTRACT": 0.375, "SCREEN": 0.5625, "DARKEN": 0.375, "LIGHTEN": 0.5,

@@ -120,6 +120,14 @@ def default(socket):
 # ----- nodes
 
 
+def power(a, b):
+    """0 where it is no number."""
+    try:
+        return math.pow(a, b)
+    except (ValueError, OverflowError):
+        return 0.0
+
+
 BLENDS = {
     "MIX": mix,
     "MULTIPLY": lambda a, b, t: product(a, mix(WHITE, b, t)),
@@ -130,7 +138,7 @@ BLENDS = {
 
 MATHS = {
     "ADD": operator.add, "SUBTRACT": operator.sub, "MINIMUM": min, "MAXIMUM": max, "LESS_THAN": operator.lt, "GREATER_THAN": operator.gt,
-    "DIVIDE": lambda a, b: a / b if b else 0.0, "MODULO": lambda a, b: math.fmod(a, b) if b else 0.0, "POWER": lambda a, b: a**b if a >= 0 else 0.0,
+    "DIVIDE": lambda a, b: a / b if b else 0.0, "MODULO": lambda a, b: math.fmod(a, b) if b else 0.0, "POWER": power,
     "LOGARITHM": lambda a, b: math.log(a, b) if a > 0 and b > 0 and b != 1 else 0.0, "SQRT": lambda a, _: math.sqrt(max(0.0, a)),
     "ABSOLUTE": lambda a, _: abs(a), "SINE": lambda a, _: math.sin(a), "COSINE": lambda a, _: math.cos(a),
     "FLOOR": lambda a, _: math.floor(a), "FRACT": lambda a, _: a - math.floor(a),
@@ -247,7 +255,7 @@ VALUES = {
     "MATH": math_node,
     "VALTORGB": ramp,
     "INVERT": invert,
-    "GAMMA": lambda graph, node, _: arithmetic(lambda c, g: max(0.0, c) ** g, graph.of(node, "Color"), graph.of(node, "Gamma")),
+    "GAMMA": lambda graph, node, _: arithmetic(lambda c, g: power(max(0.0, c), g), graph.of(node, "Color"), graph.of(node, "Gamma")),
     "CLAMP": lambda graph, node, _: arithmetic(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max"))),
     "RGBTOBW": grey,
     "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
