@@ -1,4 +1,5 @@
-// Numbers about views.
+#include "tools/darkroom/engine/measures.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
