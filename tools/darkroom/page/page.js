@@ -636,6 +636,7 @@ const modes = ["probe", "pick", "focus-here", "brush", "gradient", "draw"];
 /** @param {Mode} next */
 function set_mode(next) {
   mode = mode === next ? "" : next;
+  if (mode) $(mode).closest("details").open = true;
   for (const id of modes) $(id).setAttribute("aria-pressed", String(mode === id));
   $("picture").style.cursor = mode ? "crosshair" : "";
 }
@@ -726,6 +727,7 @@ async function show_noise() {
   const light = `${light_of(recipe)} ${state.samples}`;
   if (!$("noise").checked) return hide_noise();
   if (!view || light === noisy_light) return;
+  if (!noisy_light) $("noise-told").textContent = "measuring …";
   let width = print_width();
   while (Math.max(width, height_of(width)) > 2048) width = Math.ceil(width / 2);
   try {
