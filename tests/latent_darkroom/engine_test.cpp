@@ -141,6 +141,23 @@ TEST_F(DarkroomEngine, AProbeTellsThePixelOfThePicture) {
     EXPECT_GT(probe->samples, 0);
 }
 
+// Though the probe develops no more than its pixel.
+TEST_F(DarkroomEngine, AProbeHasTheCodesOfTheView) {
+    const std::unique_ptr<Engine> engine = open();
+    for (const char* sections : kRecipes) {
+        SCOPED_TRACE(sections);
+        const Result<Recipe> recipe = engine->resolve(recipe_of(sections));
+        ASSERT_TRUE(recipe) << recipe.error().message;
+        for (const auto& [x, y] : {std::pair{0, 0}, {150, 100}, {170, 60}, {299, 199}}) {
+            const Result<darkroom::Probe> probe = engine->probe(*recipe, {300, 200}, x, y);
+            ASSERT_TRUE(probe) << probe.error().message;
+            const Result<convert::CodeValues> view = engine->view(*recipe, {300, 200}, {x, y, x + 1, y + 1});
+            ASSERT_TRUE(view);
+            for (std::size_t c = 0; c < view->codes.size(); ++c) EXPECT_EQ(probe->codes[c], static_cast<int>(view->codes[c]));
+        }
+    }
+}
+
 // Bins as latent-develop stores them; weighed by ybar, they add up to the Y of the probe.
 TEST_F(DarkroomEngine, ASpectrumIsThatOfThePixelAndItsLuminance) {
     const std::unique_ptr<Engine> engine = open();

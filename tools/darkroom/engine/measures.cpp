@@ -30,11 +30,15 @@ Result<Histogram> Engine::histogram(const Recipe& recipe, const develop::Size& s
 }
 
 Result<Probe> Engine::probe(const Recipe& recipe, const develop::Size& size, int x, int y, const Stopped& stopped) {
-    const Rect pixel{x, y, x + 1, y + 1};
-    const Result<convert::CodeValues> codes = view(recipe, size, pixel, {.stopped = stopped});
-    if (!codes) return codes.error();
     Result<Decisions> decisions = decide(recipe);
     if (!decisions) return decisions.error();
+    if (Status s = check_view(*decisions); !s) return s.error();
+    const Rect pixel{x, y, x + 1, y + 1};
+    const Result<Rect> block = decisions->spreads_light() ? block_at(*decisions, size, x, y) : pixel;
+    if (!block) return block.error();
+    convert::CodeValues codes;
+    const Result<convert::ConvertReport> printed = print(*decisions, size, *block, pixel, codes, {.stopped = stopped});
+    if (!printed) return printed.error();
     develop::PictureOptions picture = picture_of(*decisions, size, pixel);
     picture.denoise = 0;
     picture.dim_fireflies = false;
@@ -60,7 +64,7 @@ Result<Probe> Engine::probe(const Recipe& recipe, const develop::Size& size, int
         if (names[i] == "count") probe.samples = value;
     }
     for (std::size_t c = 0; c < 3; ++c)
-        probe.codes[c] = static_cast<int>(codes->codes[c % static_cast<std::size_t>(codes->channels)]);
+        probe.codes[c] = static_cast<int>(codes.codes[c % static_cast<std::size_t>(codes.channels)]);
     return probe;
 }
 
