@@ -265,6 +265,14 @@ class Nodes(unittest.TestCase):
             node = FakeNode("MATH", [FakeSocket("a", float(base)), FakeSocket("b", float(exponent))], operation="POWER", use_clamp=False)
             self.assertEqual(self.graph.value(FakeSocket("x", 0.0, source=node)).number(), expected, (base, exponent))
 
+    def test_a_colour_is_its_luminance_where_a_number_is_wanted(self):
+        color = FakeNode("RGB")
+        socket = FakeSocket("x", 0.0, source=color)
+        socket.links[0].from_socket.default_value = (2.0, 0.0, 0.0, 1.0)
+        self.assertEqual(self.graph.value(socket), values.constant(2 * 0.2126))
+        socket.type = "RGBA"
+        self.assertEqual(self.graph.value(socket).rgb, (2.0, 0.0, 0.0))
+
     def test_every_blend_of_constants_is_that_of_its_definition(self):
         a, b = values.constant(0.5), values.constant(0.25)
         for blend, expected in {"MIX": 0.375, "MULTIPLY": 0.3125, "ADD": 0.625, "SUBTRACT": 0.375, "SCREEN": 0.5625, "DARKEN": 0.375, "LIGHTEN": 0.5,
@@ -273,7 +281,7 @@ class Nodes(unittest.TestCase):
 
     def test_an_unknown_node_is_its_colour_and_listed(self):
         node = FakeNode("TEX_NOISE", [FakeSocket("Scale", 5.0), FakeSocket("Color", (0.1, 0.2, 0.3, 1), "RGBA")])
-        self.assertEqual(self.graph.value(FakeSocket("x", 0.0, source=node)).rgb, (0.1, 0.2, 0.3))
+        self.assertEqual(self.graph.value(FakeSocket("x", 0.0, "RGBA", node)).rgb, (0.1, 0.2, 0.3))
         self.assertEqual(len(self.lost), 1)
 
     def test_textures_are_defined_with_what_they_consist_of(self):

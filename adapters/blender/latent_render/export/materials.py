@@ -331,9 +331,7 @@ def mixed(reader, node):
     reader.groups = around
     if plastic:
         return plastic
-    amount, first, second = reader.value(node.inputs[0]), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
-    if is_constant(amount):
-        amount = clamped(constant(amount.number()))
+    amount, first, second = clamped(reader.value(node.inputs[0])), reader.shader(node.inputs[1]), reader.shader(node.inputs[2])
     if amount in (BLACK, WHITE):
         return second if amount == WHITE else first
     if second.is_clear:

@@ -75,8 +75,9 @@ class Graph:
     # ----- values
 
     def value(self, socket):
-        """A Constant, or a Texture. What Latent cannot say is its default, and listed."""
-        return self.follow(socket, self.evaluate, default)
+        """A Constant, or a Texture. What Latent cannot say is its default, and listed. Where a number is wanted, a colour is its luminance."""
+        value = self.follow(socket, self.evaluate, default)
+        return constant(value.number()) if socket.type == "VALUE" and is_constant(value) else value
 
     def evaluate(self, node, output):
         try:
