@@ -66,7 +66,7 @@ class Cover : public ::testing::Test {
 TEST_F(Cover, AFarBoxShinesInItsOwnColour) {
     for (const double reflectance : {0.2, 0.5}) {
         LoadedScene scene = load({{.half = 30, .reflectance = reflectance}, {.half = 2, .at = {0, 0, 4}}});
-        EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space; the far surfaces around it shine")));
+        EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space: the far surfaces around it shine")));
         EXPECT_EQ(scene.description.lights.size(), 1u);
         scene.description.max_depth = 0;  // the camera looks away from the cube
         const testing::Mean mean = testing::mean_of_picture({scene.description}, {.max_depth = 0, .seed = 1}, 2000);
@@ -78,7 +78,7 @@ TEST_F(Cover, AFarBoxShinesInItsOwnColour) {
 // A matt wall at the distance that the lamp is made for has the radiance of a white one times its reflectance.
 TEST_F(Cover, ARoomGetsALampAtTheCamera) {
     const LoadedScene scene = load({{.half = 3}});
-    EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space; a lamp is added there")));
+    EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space: a lamp is added at the camera")));
     EXPECT_EQ(shining(scene), std::vector<bool>{false});
     ASSERT_EQ(scene.description.lights.size(), 2u);
     const LightDescription& lamp = scene.description.lights.back();
@@ -98,8 +98,9 @@ TEST_F(Cover, OneOpenSideLetsTheSkyIn) {
 // The sky, but not what stands under it; a room in a house is none, whatever lies about the house.
 TEST_F(Cover, OnlyAFarBoxThatIsSeenIsASky) {
     EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 4}}})), (std::vector{true, false}));
-    EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 14}}})), (std::vector{false, false}));
+    EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 24}}})), (std::vector{false, false}));
     EXPECT_EQ(shining(load({{.half = 90}, {.half = 1}})), (std::vector{false, false}));
+    EXPECT_EQ(shining(load({{.half = 15}, {.half = 1, .at = {0, 0, 2}}})), (std::vector{false, false}));
     EXPECT_EQ(load({{.half = 1, .at = {3, 0, 0}}}).description.lights.size(), 1u);
 }
 

@@ -14,7 +14,8 @@ namespace latent::render {
 namespace {
 
 constexpr double kMissed = std::numeric_limits<double>::infinity();
-constexpr double kFar = 5;  // times the distance of other things: the picture of a sky, no wall
+// From the camera to a sky: in metres, the unit of glTF, and over the distance of other things. Halls are smaller.
+constexpr double kSkyDistance = 25, kSkyRatio = 2;
 
 // The distance along d to a triangle, its edges included.
 double distance_to(const std::array<Vec3d, 3>& p, const Vec3d& from, const Vec3d& d) {
@@ -43,37 +44,60 @@ bool is_opaque(const LoadedShape& loaded, const SceneDescription& scene) {
 struct Met {
     double first_distance = kMissed, last_distance = 0;
     std::uint32_t first = kNone, last = kNone;  // indices into Model::shapes; kNone: an instance
+};
 
-    void add(const LoadedMesh& mesh, const Affined& to_world, std::uint32_t shape, const Vec3d& from, const Vec3d& d) {
+// Rays from one place, spread evenly over the sphere.
+class Rays {
+ public:
+    static constexpr std::size_t kSide = 24, kCount = kSide * kSide;
+
+    explicit Rays(const Vec3d& from) : from_(from) {
+        const auto middle = [](std::size_t cell) { return (static_cast<float>(cell) + 0.5f) / kSide; };
+        for (std::size_t i = 0; i < kCount; ++i) {
+            const Vec3f d = sphere_from_square({middle(i % kSide), middle(i / kSide)});
+            x_[i] = d.x, y_[i] = d.y, z_[i] = d.z;
+        }
+    }
+    Vec3d direction(std::size_t i) const { return Vec3d(Vec3f(x_[i], y_[i], z_[i])); }
+    const std::array<Met, kCount>& met() const { return met_; }
+
+    void add(const LoadedMesh& mesh, const Affined& to_world, std::uint32_t shape) {
         for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
             std::array<Vec3d, 3> p;
             for (std::size_t c = 0; c < 3; ++c) p[c] = to_world.point(mesh.positions[mesh.indices[k + c]]);
-            const double t = distance_to(p, from, d);
-            if (t == kMissed) continue;
-            if (t < first_distance) {
-                first_distance = t;
-                first = shape;
-            }
-            if (t > last_distance) {
-                last_distance = t;
-                last = shape;
-            }
+            add(p, shape);
         }
     }
-};
 
-Met met_by(const Model& model, const Vec3d& from, const Vec3d& d) {
-    Met met;
-    for (std::uint32_t i = 0; i < model.shapes.size(); ++i) {
-        if (is_opaque(model.shapes[i], model.scene)) met.add(*model.shapes[i].mesh, {}, i, from, d);
-    }
-    for (const InstanceDescription& instance : model.scene.instances) {
-        for (const LoadedShape& shape : model.objects[instance.object]) {
-            if (is_opaque(shape, model.scene)) met.add(*shape.mesh, instance.world_from_object, kNone, from, d);
+ private:
+    // Most rays pass beside the ball about a small triangle, which is quickly seen.
+    void add(const std::array<Vec3d, 3>& p, std::uint32_t shape) {
+        const Vec3d middle = (p[0] + p[1] + p[2]) * (1.0 / 3) - from_;
+        double radius = 0;
+        for (const Vec3d& corner : p) radius = std::max(radius, length(corner - from_ - middle));
+        const double distance = length(middle), sine = distance > 0 ? radius / distance : 1;
+        const Vec3f axis(distance > 0 ? middle * (1 / distance) : middle);
+        const float cosine = sine < 1 ? static_cast<float>(std::sqrt(1 - sine * sine)) - 1e-4f : -2.0f;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            if (x_[i] * axis.x + y_[i] * axis.y + z_[i] * axis.z < cosine) continue;
+            const double t = distance_to(p, from_, direction(i));
+            if (t == kMissed) continue;
+            Met& met = met_[i];
+            if (t < met.first_distance) {
+                met.first_distance = t;
+                met.first = shape;
+            }
+            if (t > met.last_distance) {
+                met.last_distance = t;
+                met.last = shape;
+            }
         }
     }
-    return met;
-}
+
+    Vec3d from_;
+    std::array<float, kCount> x_, y_, z_;
+    std::array<Met, kCount> met_{};
+};
 
 double median(std::vector<double> x) {
     const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
@@ -93,22 +117,26 @@ SpectrumInput color_of(std::uint32_t material, const SceneDescription& scene) {
 }  // namespace
 
 std::optional<Cover> cover_of_sky(const Model& model, const Vec3d& up) {
-    constexpr int kSide = 24;
-    const Vec3d& from = model.scene.camera.world_from_camera.t;
-    std::vector<Met> seen;
+    Rays rays(model.scene.camera.world_from_camera.t);
+    for (std::uint32_t i = 0; i < model.shapes.size(); ++i) {
+        if (is_opaque(model.shapes[i], model.scene)) rays.add(*model.shapes[i].mesh, {}, i);
+    }
+    for (const InstanceDescription& instance : model.scene.instances) {
+        for (const LoadedShape& shape : model.objects[instance.object]) {
+            if (is_opaque(shape, model.scene)) rays.add(*shape.mesh, instance.world_from_object, kNone);
+        }
+    }
     std::set<std::uint32_t> outermost;
-    for (int i = 0; i < kSide * kSide; ++i) {
-        const auto middle = [](int cell) { return (static_cast<float>(cell) + 0.5f) / kSide; };
-        const Vec3d d(sphere_from_square({middle(i % kSide), middle(i / kSide)}));
-        seen.push_back(met_by(model, from, d));
-        if (seen.back().first_distance == kMissed) return std::nullopt;
-        if (dot(d, up) > 0 && seen.back().first != kNone && seen.back().first == seen.back().last)
-            outermost.insert(seen.back().last);
+    for (std::size_t i = 0; i < Rays::kCount; ++i) {
+        const Met& met = rays.met()[i];
+        if (met.first_distance == kMissed) return std::nullopt;
+        if (dot(rays.direction(i), up) > 0 && met.first != kNone && met.first == met.last) outermost.insert(met.first);
     }
     std::vector<double> near, far;
-    for (const Met& met : seen) (outermost.contains(met.first) ? far : near).push_back(met.first_distance);
+    for (const Met& met : rays.met()) (outermost.contains(met.first) ? far : near).push_back(met.first_distance);
     Cover cover;
-    if (!near.empty() && !far.empty() && median(far) >= kFar * median(near)) cover.skies.assign(outermost.begin(), outermost.end());
+    if (!near.empty() && !far.empty() && median(far) >= std::max(kSkyDistance, kSkyRatio * median(near)))
+        cover.skies.assign(outermost.begin(), outermost.end());
     near.insert(near.end(), far.begin(), far.end());
     cover.distance = median(near);
     return cover;
@@ -121,6 +149,8 @@ void light_up(const Cover& cover, const color::Spectrum& white, Model& model) {
         if (shape.area_light != kNone) continue;
         TextureDescription color{.kind = TextureKind::kScale, .is_spectrum = true, .amount = 1};
         color.spectra[0] = color_of(shape.material, scene);
+        shape.material = static_cast<std::uint32_t>(scene.materials.size());
+        scene.materials.push_back({.spectra = {{"reflectance", color::Spectrum::constant(0)}}});
         shape.area_light = static_cast<std::uint32_t>(scene.area_lights.size());
         scene.area_lights.push_back(
             {.spectrum = white, .two_sided = true, .picture = static_cast<std::uint32_t>(scene.textures.size())});

@@ -11,8 +11,8 @@
 namespace latent::render {
 
 struct Cover {
-    // What shows a sky: the outermost shapes that the camera sees above its horizon, if they are at least five times as far as what
-    // else it sees. In ascending order, without instances, which cannot emit.
+    // What shows a sky: the outermost shapes that the camera sees above its horizon, if they are 25 m away or more, and at least
+    // twice as far as what else it sees (medians). In ascending order, without instances, which cannot emit.
     std::vector<std::uint32_t> skies{};
     double distance = 0;  // median, to all that it sees
 };
@@ -21,8 +21,9 @@ struct Cover {
 // opaque. `up`: unit.
 std::optional<Cover> cover_of_sky(const Model& model, const Vec3d& up);
 
-// Both sides of the skies emit the radiance of `white` times the colour of their material, unless they emit by themselves. If there
-// are none, a lamp at the camera gives matt surfaces at the distance the radiance of `white` times their reflectance.
+// Skies, unless they emit by themselves, emit the radiance of `white` times the colour of their material, to both sides, and
+// reflect nothing. If there are none, a lamp at the camera gives matt surfaces at the distance the radiance of `white` times their
+// reflectance.
 void light_up(const Cover& cover, const color::Spectrum& white, Model& model);
 
 }  // namespace latent::render

@@ -121,8 +121,8 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
         notes.emplace_back("is lit by its own lights alone; --sky FILE adds a sky");
     }
     if (const std::optional<Cover> cover = has_light ? std::nullopt : cover_of_sky(model, world_from_stage(options).y)) {
-        notes.emplace_back(cover->skies.empty() ? "has its camera in a closed space; a lamp is added there"
-                                                : "has its camera in a closed space; the far surfaces around it shine");
+        notes.emplace_back(cover->skies.empty() ? "has its camera in a closed space: a lamp is added at the camera"
+                                                : "has its camera in a closed space: the far surfaces around it shine");
         light_up(*cover, white, model);
     }
     return notes;
