@@ -8,7 +8,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "base/first_error.h"
@@ -33,16 +32,6 @@ std::span<T> take(std::span<std::byte>& memory, std::size_t count) {
     T* const array = reinterpret_cast<T*>(memory.data());
     memory = memory.subspan(bytes);
     return {array, count};
-}
-
-template <std::size_t kStride>  // if it is known; else 0
-bool is_zero(const float* row, std::size_t stride) {
-    if constexpr (kStride == 4) {
-        std::array<std::uint64_t, 2> bits;
-        std::memcpy(bits.data(), row, sizeof bits);
-        return ((bits[0] | bits[1]) & 0x7FFFFFFF7FFFFFFF) == 0;  // whatever the signs
-    }
-    return std::all_of(row, row + stride, [](float value) { return value == 0; });
 }
 
 bool contains(const PixelRect& cells, std::int64_t x, std::int64_t y) {
@@ -259,36 +248,21 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
 
 // A counting sort, which keeps the order of rows within a cell, without rows of zeros if there are many. x and y are positions on
 // the film. Returns how many of the rows have values that are not finite.
-template <std::size_t kStride>
 std::uint64_t Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const {
     constexpr std::size_t kAtOnce = 1024;  // rows whose values stay in the nearest cache
-    const std::size_t stride = kStride > 0 ? kStride : stride_;
-    const std::uint32_t elsewhere = moved.elsewhere();
-    moved.columns.clear();
-    for (std::uint32_t cell = 0; cell < elsewhere; ++cell) {
-        moved.columns.push_back(SegmentColumns::at(memory, moved.count[cell]));
-        memory += SegmentColumns::bytes(moved.count[cell], stride);
+    moved.spaces.clear();
+    for (std::uint32_t cell = 0; cell < moved.elsewhere(); ++cell) {
+        moved.spaces.push_back({SegmentColumns::at(memory, moved.count[cell]), 0, moved.count[cell]});
+        memory += SegmentColumns::bytes(moved.count[cell], stride_);
     }
-    moved.values.resize(kAtOnce * stride);
-    const std::uint32_t *const u = page.u.data(), *const v = page.v.data();
-    moved.kept.assign(elsewhere, 0);
-    const std::uint32_t* const cells = moved.cell.data();
-    std::uint32_t* const kept = moved.kept.data();
-    const SegmentColumns* const columns = moved.columns.data();
-    const bool drops_zeros = channels_.lens()->leaves_records_out();
+    moved.values.resize(kAtOnce * stride_);
     std::uint64_t not_finite = 0;
     for (std::size_t begin = 0; begin < page.count; begin += kAtOnce) {
         const std::size_t end = std::min(begin + kAtOnce, page.count);
         if (channels_.values(page, begin, end, moved.values.data()) > 0) not_finite += not_finite_of(page, moved, begin, end);
-        const float* from = moved.values.data();
-        for (std::size_t row = begin; row < end; ++row, from += stride) {
-            if (cells[row] == elsewhere) continue;
-            const SegmentColumns& to = columns[cells[row]];
-            const std::size_t place = kept[cells[row]];
-            to.x[place] = u[row], to.y[place] = v[row];
-            std::copy_n(from, stride, to.values + place * stride);
-            kept[cells[row]] += drops_zeros && is_zero<kStride>(from, stride) ? 0 : 1;
-        }
+        const std::span<const std::uint32_t> cells = std::span(moved.cell).subspan(begin, end - begin);
+        scatter({cells, &page.u[begin], &page.v[begin], moved.values.data(), stride_}, channels_.lens()->leaves_records_out(),
+                moved.spaces);
     }
     return not_finite;
 }
@@ -306,22 +280,6 @@ std::uint64_t Loader::not_finite_of(const sampledb::Page& page, const MovedRows&
 void Loader::count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling) {
     if (count == 0 || !filling.counting) return;
     (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_not_finite : counts_.light_not_finite) += count;
-}
-
-// Rows of zeros, which add nothing to any sum. Returns how many rows are left.
-template <std::size_t kStride>
-std::uint32_t Loader::drop_zeros(const SegmentColumns& columns, std::uint32_t count) const {
-    const std::size_t stride = kStride > 0 ? kStride : stride_;
-    const auto [x, y, values] = columns;
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {  // without a branch, which would be mispredicted where every second row is left out
-        const float* const row = values + i * stride;
-        const bool stays = !is_zero<kStride>(row, stride);
-        x[kept] = x[i], y[kept] = y[i];
-        std::copy_n(row, stride, values + kept * stride);
-        kept += stays ? 1 : 0;
-    }
-    return kept;
 }
 
 Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const SlotRows>& kept) {
@@ -349,10 +307,8 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
         (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_records : counts_.light_records) += count;
     std::uint32_t to = filling.row_count.fetch_add(count);
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
-    if (moves_records()) {
-        const auto sort = stride_ == 4 ? &Loader::sort_moved_rows<4> : &Loader::sort_moved_rows<0>;
-        count_not_finite((this->*sort)(page, worker.moved, filling.rows + SegmentColumns::bytes(to, stride_)), page, filling);
-    }
+    if (moves_records())
+        count_not_finite(sort_moved_rows(page, worker.moved, filling.rows + SegmentColumns::bytes(to, stride_)), page, filling);
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellRows& rows = cells[i];
         std::byte* const memory = filling.rows + SegmentColumns::bytes(to, stride_);
@@ -368,8 +324,7 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
             const std::size_t first = rows.first;
             const std::uint64_t not_finite = channels_.values(page, first, first + rows.count, columns.values);
             count_not_finite(not_finite, page, filling);
-            if (lens != nullptr && lens->leaves_records_out())
-                left = stride_ == 4 ? drop_zeros<4>(columns, rows.count) : drop_zeros<0>(columns, rows.count);
+            if (lens != nullptr && lens->leaves_records_out()) left = drop_zeros(columns, rows.count, stride_);
         }
         pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to, left,
                      rows.count};

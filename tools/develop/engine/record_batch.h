@@ -14,6 +14,7 @@
 #include "sampledb/read/run_set.h"
 #include "tools/develop/channels/channels.h"
 #include "tools/develop/film/film_grid.h"
+#include "tools/develop/kernel/scatter.h"
 #include "tools/develop/kernel/splat.h"
 
 namespace latent::develop {
@@ -87,14 +88,13 @@ class Loader {
     struct Filling;
     // Where the rows of a page go whose records a lens has moved.
     struct MovedRows {
-        PixelRect wanted;                     // cells, numbered row by row
-        std::vector<std::uint32_t> cell;      // of each row; that behind the last for rows elsewhere
-        std::vector<std::uint32_t> count;     // of each cell's rows
-        std::vector<std::uint32_t> kept;      // of each cell's rows
-        std::vector<SegmentColumns> columns;  // of each cell
-        std::vector<float> values;            // of some rows
+        PixelRect wanted;                  // cells, numbered row by row
+        std::vector<std::uint32_t> cell;   // of each row; that behind the last for rows elsewhere
+        std::vector<std::uint32_t> count;  // of each cell's rows
+        std::vector<CellSpace> spaces;     // of each cell
+        std::vector<float> values;         // of some rows
         std::uint32_t kept_of(std::int64_t x, std::int64_t y) const {
-            return kept[static_cast<std::size_t>((y - wanted.y0) * wanted.width() + x - wanted.x0)];
+            return spaces[static_cast<std::size_t>((y - wanted.y0) * wanted.width() + x - wanted.x0)].kept;
         }
         std::uint32_t elsewhere() const { return static_cast<std::uint32_t>(wanted.width() * wanted.height()); }
     };
@@ -114,10 +114,7 @@ class Loader {
     void move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellRows>& cells) const;
     std::uint64_t not_finite_of(const sampledb::Page& page, const MovedRows& moved, std::size_t begin, std::size_t end) const;
     void count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling);
-    template <std::size_t kStride>  // if it is known; else 0
     std::uint64_t sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const;
-    template <std::size_t kStride>
-    std::uint32_t drop_zeros(const SegmentColumns& columns, std::uint32_t count) const;
 
     const sampledb::RunSet& run_set_;
     const FilmGrid& grid_;

@@ -5,7 +5,28 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 #include "tools/develop/lens/aperture.h"
+
+#ifndef LATENT_DEVELOP_LENS_ROWS
+#define LATENT_DEVELOP_LENS_ROWS
+namespace latent::develop {
+
+// Some records: where in the tables they find what they need, and what that is.
+struct Places {
+    static constexpr std::size_t kAtOnce = 256;
+    std::uint32_t cell[kAtOnce], step[kAtOnce], patch[kAtOnce];
+    float after_step[kAtOnce];  // in steps
+};
+struct Found {
+    Places places;
+    float cell[Places::kAtOnce], open[Places::kAtOnce][2];
+    Patch patch[Places::kAtOnce];
+};
+
+}  // namespace latent::develop
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace latent::develop::HWY_NAMESPACE {
@@ -26,24 +47,80 @@ auto LoadBytes(D d, const std::uint8_t* bytes) {
     return hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::uint8_t, D>(), bytes));
 }
 
-void WeighByRim(const RearRim& rim, const std::uint8_t* x, const std::uint8_t* y, const std::uint32_t* u, const std::uint32_t* v,
-                std::span<float> weights) {
+// The leading 24 bits of positions, which are exact as float.
+template <class D>
+auto LoadFractions(D d, const std::uint32_t* positions) {
+    const hn::RebindToSigned<D> di;
+    const hn::RebindToUnsigned<D> du;
+    return hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(hn::LoadU(du, positions)))), hn::Set(d, 0x1p-24f));
+}
+
+// The share of a record's cell of the lens that lies within the rim, which counts as straight there.
+template <class D>
+auto ShareInRim(D d, const RearRim& rim, const LensRows& rows, std::size_t i) {
     constexpr float kPerCell = kLensCells / 2.0f;
-    ForRows<float>(weights.size(), [&](auto d, std::size_t i) HWY_ATTR {
+    const auto from_rim = [&](const std::uint8_t* cells, const std::uint32_t* film, float first, float along) HWY_ATTR {
+        const auto middle = hn::Mul(hn::ConvertTo(d, LoadBytes(hn::RebindToSigned<D>(), cells + i)), hn::Set(d, 1 / kPerCell));
+        return hn::Sub(hn::Add(middle, hn::Set(d, first)), hn::Mul(LoadFractions(d, film + i), hn::Set(d, along)));
+    };
+    const auto dx = from_rim(rows.x, rows.u, rim.first_x, rim.along_u), dy = from_rim(rows.y, rows.v, rim.first_y, rim.along_v);
+    const auto distance = hn::Sqrt(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
+    const auto inside = hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1), distance), hn::Set(d, kPerCell)), hn::Set(d, 0.5f));
+    return hn::Min(hn::Max(inside, hn::Zero(d)), hn::Set(d, 1));
+}
+
+void FindPlaces(const LensTables& tables, const LensRows& rows, std::size_t count, Places& places) {
+    ForRows<float>(count, [&](auto d, std::size_t i) HWY_ATTR {
         const hn::RebindToSigned<decltype(d)> di;
         const hn::RebindToUnsigned<decltype(d)> du;
-        // The leading 24 bits of a position are exact as float.
-        const auto from_rim = [&](const std::uint8_t* cells, const std::uint32_t* film, float first, float along) HWY_ATTR {
-            const auto position = hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(hn::LoadU(du, film + i))));
-            const auto middle = hn::Mul(hn::ConvertTo(d, LoadBytes(di, cells + i)), hn::Set(d, 1 / kPerCell));
-            return hn::Sub(hn::Add(middle, hn::Set(d, first)), hn::Mul(position, hn::Set(d, along * 0x1p-24f)));
-        };
-        const auto dx = from_rim(x, u, rim.first_x, rim.along_u), dy = from_rim(y, v, rim.first_y, rim.along_v);
-        // The rim counts as straight within a cell.
-        const auto distance = hn::Sqrt(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
-        const auto inside = hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1), distance), hn::Set(d, kPerCell)), hn::Set(d, 0.5f));
-        const auto share = hn::Min(hn::Max(inside, hn::Zero(d)), hn::Set(d, 1));
-        hn::StoreU(hn::Mul(hn::LoadU(d, &weights[i]), share), d, &weights[i]);
+        if (tables.cells != nullptr)
+            hn::StoreU(hn::Or(hn::ShiftLeft<8>(LoadBytes(du, rows.y + i)), LoadBytes(du, rows.x + i)), du, places.cell + i);
+        if (const ShutterSteps& shutter = tables.shutter; shutter.open != nullptr) {
+            const auto time = hn::Mul(hn::ConvertTo(d, LoadBytes(di, rows.time + i)), hn::Set(d, shutter.rows.per_cell));
+            const auto later = hn::Mul(LoadFractions(d, rows.v + i), hn::Set(d, shutter.rows.later_in_last));
+            const auto after = hn::Sub(hn::Sub(time, hn::Set(d, shutter.rows.begins)), later);
+            const auto step = hn::Min(hn::Max(after, hn::Zero(d)), hn::Set(d, shutter.last));
+            const auto whole = hn::ConvertTo(di, step);
+            hn::StoreU(hn::BitCast(du, whole), du, places.step + i);
+            hn::StoreU(hn::Sub(step, hn::ConvertTo(d, whole)), d, places.after_step + i);
+        }
+        if (tables.patches != nullptr) {
+            const auto column = hn::ShiftRight<32 - Patch::kBits>(hn::LoadU(du, rows.u + i)),
+                       row = hn::ShiftRight<32 - Patch::kBits>(hn::LoadU(du, rows.v + i));
+            hn::StoreU(hn::Or(hn::ShiftLeft<Patch::kBits>(row), column), du, places.patch + i);
+        }
+    });
+}
+
+void Combine(const LensTables& tables, const LensRows& rows, const Found& found, LightFactor light, std::size_t count,
+             float* weights, float* light_factors) {
+    ForRows<float>(count, [&](auto d, std::size_t i) HWY_ATTR {
+        const hn::RebindToSigned<decltype(d)> di;
+        const hn::RebindToUnsigned<decltype(d)> du;
+        auto weight = tables.cells != nullptr ? hn::LoadU(d, found.cell + i) : hn::Set(d, 1);
+        if (tables.rim) weight = hn::Mul(weight, ShareInRim(d, *tables.rim, rows, i));
+        if (tables.shutter.open != nullptr) {
+            auto here = hn::Zero(d), next = here;
+            hn::LoadInterleaved2(d, found.open[i], here, next);
+            const auto open = hn::Add(here, hn::Mul(hn::LoadU(d, found.places.after_step + i), hn::Sub(next, here)));
+            weight = hn::Mul(weight, open);
+        }
+        hn::StoreU(weight, d, weights + i);
+        if (light == LightFactor::kWeight) return hn::StoreU(weight, d, light_factors + i);
+        auto mean = hn::Set(d, 1);
+        if (tables.patches != nullptr) {
+            const auto within = [&](const std::uint32_t* film) HWY_ATTR {
+                const auto position = hn::And(hn::LoadU(du, film + i), hn::Set(du, (1u << (32 - Patch::kBits)) - 1));
+                return hn::Mul(hn::ConvertTo(d, hn::BitCast(di, position)), hn::Set(d, Patch::kAcross * 0x1p-32f));
+            };
+            auto corner = hn::Zero(d), to_right = corner, downwards = corner, both = corner;
+            hn::LoadInterleaved4(d, &found.patch[i].corner, corner, to_right, downwards, both);
+            const auto right = within(rows.u), down = within(rows.v);
+            mean = hn::Add(hn::Add(corner, hn::Mul(right, to_right)), hn::Mul(down, hn::Add(downwards, hn::Mul(right, both))));
+        }
+        mean = hn::Mul(mean, hn::Set(d, tables.even_mean));
+        const auto over_mean = hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)), hn::Div(weight, mean));
+        hn::StoreU(light == LightFactor::kTimesMean ? hn::Mul(weight, mean) : over_mean, d, light_factors + i);
     });
 }
 
@@ -79,12 +156,30 @@ HWY_AFTER_NAMESPACE();
 
 namespace latent::develop {
 
-LATENT_SIMD_EXPORT(WeighByRim);
+LATENT_SIMD_EXPORT(FindPlaces);
+LATENT_SIMD_EXPORT(Combine);
 LATENT_SIMD_EXPORT(MovePositions);
 
-void weigh_by_rim(const RearRim& rim, const std::uint8_t* x, const std::uint8_t* y, const std::uint32_t* u, const std::uint32_t* v,
-                  std::span<float> weights) {
-    LATENT_SIMD_CALL(WeighByRim)(rim, x, y, u, v, weights);
+// Tables are read one by one: instructions that gather are slower.
+void weigh_rows(const LensTables& tables, const LensRows& rows, LightFactor light, std::span<float> weights,
+                std::span<float> light_factors) {
+    Found found;
+    const Places& places = found.places;
+    for (std::size_t begin = 0; begin < weights.size(); begin += Places::kAtOnce) {
+        const std::size_t count = std::min(Places::kAtOnce, weights.size() - begin);
+        const LensRows some = rows.from(begin);
+        LATENT_SIMD_CALL(FindPlaces)(tables, some, count, found.places);
+        if (tables.cells != nullptr) {
+            for (std::size_t i = 0; i < count; ++i) found.cell[i] = tables.cells[places.cell[i]];
+        }
+        if (tables.shutter.open != nullptr) {
+            for (std::size_t i = 0; i < count; ++i) std::copy_n(tables.shutter.open + places.step[i], 2, found.open[i]);
+        }
+        if (tables.patches != nullptr && light != LightFactor::kWeight) {
+            for (std::size_t i = 0; i < count; ++i) found.patch[i] = tables.patches[places.patch[i]];
+        }
+        LATENT_SIMD_CALL(Combine)(tables, some, found, light, count, &weights[begin], &light_factors[begin]);
+    }
 }
 
 void move_positions(const AxisMove& along_u, const AxisMove& along_v, int level, const std::uint8_t* x, const std::uint8_t* y,

@@ -13,7 +13,6 @@ namespace latent::develop {
 namespace {
 
 constexpr int kTimes = 256;
-constexpr std::size_t kAtOnce = 256;  // records, in steps that compilers turn into vectors
 
 // Mean weight, and the mean of its square.
 struct Moments {
@@ -21,9 +20,6 @@ struct Moments {
     void add(double weight, double share) { mean += weight * share, square += weight * weight * share; }
     double kept() const { return square > 0 ? mean * mean / square : 0; }
 };
-
-// The leading 24 bits, which are exact as float and are signed for processors that convert only such.
-float fraction_of(std::uint32_t position) { return static_cast<float>(static_cast<std::int32_t>(position >> 8)) * 0x1p-24f; }
 
 }  // namespace
 
@@ -108,10 +104,11 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
 }
 
 void LensWeights::set_means(const LensSums& square_sums, double disk) {
-    const std::size_t across = rim_u_ != 0 ? kPatches + 1 : 1;
-    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<double>(k) / kPatches : 0.5; };
+    constexpr std::size_t kSide = Patch::kAcross;
+    const std::size_t across = rim_u_ != 0 ? kSide + 1 : 1;
+    const auto place = [across](std::size_t k) { return across > 1 ? static_cast<double>(k) / kSide : 0.5; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
-        return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / kPatches;
+        return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / kSide;
     };
     std::vector<float> means;  // at the corners of the patches
     double mean = 0, kept = 0;
@@ -134,10 +131,13 @@ void LensWeights::set_means(const LensSums& square_sums, double disk) {
     }
     mean_ *= mean;
     kept_ *= kept;
-    constexpr std::size_t kSide = kPatches;
+    if (across == 1) {
+        even_mean_ *= means[0];
+        return;
+    }
     for (std::size_t j = 0; j < kSide; ++j) {
         for (std::size_t i = 0; i < kSide; ++i) {
-            const auto at = [&](std::size_t x, std::size_t y) { return means[across == 1 ? 0 : y * (kSide + 1) + x]; };
+            const auto at = [&](std::size_t x, std::size_t y) { return means[y * across + x]; };
             const float corner = at(i, j), right = at(i + 1, j) - corner, down = at(i, j + 1) - corner;
             patches_.push_back({corner, right, down, at(i + 1, j + 1) - corner - right - down});
         }
@@ -163,34 +163,6 @@ std::array<double, 2> LensWeights::in_rear_rim(double half_chord, double u) cons
     const double x = (u - 0.5) * static_cast<double>(rim_u_);
     return {std::clamp((x - half_chord + 1) * kPerCell, 0.0, double{kLensCells}),
             std::clamp((x + half_chord + 1) * kPerCell, 0.0, double{kLensCells})};
-}
-
-// The mean weight of records at the places of those of a page.
-void LensWeights::means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const {
-    if (patches_.empty()) {
-        std::ranges::fill(means, time_mean_);
-        return;
-    }
-    constexpr float kPatchesPerUnit = kPatches * 0x1p-32f;
-    const Patch* const patches = patches_.data();
-    const std::uint32_t* const u = page.u.data() + begin;
-    const std::uint32_t* const v = page.v.data() + begin;
-    constexpr int kBits = 32 - kPatchBits;
-    constexpr std::uint32_t kWithin = (std::uint32_t{1} << kBits) - 1;
-    std::array<std::uint32_t, kAtOnce> patch;
-    std::array<float, kAtOnce> right, down;
-    for (std::size_t done = 0; done < means.size(); done += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, means.size() - done);
-        for (std::size_t i = 0; i < count; ++i) {
-            patch[i] = v[done + i] >> kBits << kPatchBits | u[done + i] >> kBits;
-            right[i] = static_cast<float>(static_cast<std::int32_t>(u[done + i] & kWithin)) * kPatchesPerUnit;
-            down[i] = static_cast<float>(static_cast<std::int32_t>(v[done + i] & kWithin)) * kPatchesPerUnit;
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            const Patch& p = patches[patch[i]];
-            means[done + i] = (p.corner + right[i] * p.right + down[i] * (p.down + right[i] * p.both)) * time_mean_;
-        }
-    }
 }
 
 // A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
@@ -238,20 +210,22 @@ void LensWeights::set_shutter(const Shutter& shutter, const ShutterCurve& curve)
         return transmission(static_cast<double>(time) - begins - shutter.rolling * all / 2);
     };
     Moments moments;
-    for (std::size_t time = 0; time < open_.size(); ++time) {
-        open_[time] = of_middle_row(time);
-        leaves_out_ = leaves_out_ || open_[time] == 0;
-        moments.add(static_cast<double>(open_[time]), 1.0 / kTimes);
+    for (std::size_t time = 0; time < kTimes; ++time) {
+        open_.push_back(of_middle_row(time));
+        leaves_out_ = leaves_out_ || open_.back() == 0;
+        moments.add(static_cast<double>(open_.back()), 1.0 / kTimes);
     }
     if (shutter.rolling > 0) {
         leaves_out_ = true;
-        rolling_begins_ = static_cast<float>(begins - 1) * kStepsPerCell;
-        rolling_later_ = static_cast<float>(shutter.rolling * all) * kStepsPerCell;
-        for (double after = -1; after < exposed; after += 1.0 / kStepsPerCell) rolling_open_.push_back(transmission(after));
-        rolling_open_.insert(rolling_open_.end(), 2, 0.0f);
+        steps_ = {static_cast<float>(kStepsPerCell), static_cast<float>(begins - 1) * kStepsPerCell,
+                  static_cast<float>(shutter.rolling * all) * kStepsPerCell};
+        open_.clear();
+        for (double after = -1; after < exposed; after += 1.0 / kStepsPerCell) open_.push_back(transmission(after));
+        open_.push_back(0);
     }
+    open_.push_back(0);  // is read behind the last one
     const double mean = curve.all() * (1 - shutter.rolling) / shutter.frames;
-    time_mean_ = static_cast<float>(mean);
+    even_mean_ *= static_cast<float>(mean);
     mean_ *= mean;
     kept_ *= moments.kept();
 }
@@ -269,60 +243,32 @@ void LensWeights::move(sampledb::Page& page, int level, const PixelRect& wanted,
                    page.u.data(), page.v.data(), cells);
 }
 
-void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, Factors& out) const {
-    const std::span<float> weights = out.share;
-    std::ranges::fill(weights, 1.0f);
-    if (!lens_closes()) return;
-    const auto lens = [&](std::size_t axis) {
-        return leading_bytes(page.extra[(*lens_columns_)[axis]], begin, begin + weights.size(), out.lens[axis]);
-    };
-    const std::uint8_t *const x = lens(0), *const y = lens(1);
-    if (!cells_.empty()) {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[y[i] * kLensCells + x[i]];
-    }
-    if (rim_u_ == 0) return;
+LensTables LensWeights::tables() const {
+    LensTables tables;
+    if (!cells_.empty()) tables.cells = cells_.data();
     const auto first = static_cast<float>(middle_of_cell(0));
-    weigh_by_rim({first + rim_u_ / 2, first + rim_v_ / 2, rim_u_, rim_v_}, x, y, &page.u[begin], &page.v[begin], weights);
-}
-
-void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, Factors& out) const {
-    const std::span<float> weights = out.share;
-    const std::uint8_t* const times = leading_bytes(page.extra[*time_column_], begin, begin + weights.size(), out.lens[0]);
-    if (rolling_open_.empty()) {
-        for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= open_[times[i]];
-        return;
-    }
-    const auto last = static_cast<float>(rolling_open_.size() - 2);
-    std::array<float, kAtOnce> step;
-    for (std::size_t done = 0; done < weights.size(); done += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, weights.size() - done), first = begin + done;
-        for (std::size_t i = 0; i < count; ++i) step[i] = static_cast<float>(times[done + i] * kStepsPerCell) - rolling_begins_;
-        for (std::size_t i = 0; i < count; ++i)
-            step[i] = std::min(std::max(step[i] - fraction_of(page.v[first + i]) * rolling_later_, 0.0f), last);
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto at = static_cast<std::int32_t>(step[i]);
-            const float* const open = rolling_open_.data() + at;
-            weights[done + i] *= open[0] + (step[i] - static_cast<float>(at)) * (open[1] - open[0]);
-        }
-    }
+    if (rim_u_ != 0) tables.rim = {first + rim_u_ / 2, first + rim_v_ / 2, rim_u_, rim_v_};
+    if (!open_.empty()) tables.shutter = {open_.data(), static_cast<float>(open_.size() - 2), steps_};
+    if (!patches_.empty()) tables.patches = patches_.data();
+    tables.even_mean = even_mean_;
+    return tables;
 }
 
 // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
 void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const {
-    out.share.resize(end - begin);
-    through_lens(page, begin, out);
-    if (time_column_) through_shutter(page, begin, out);
     const bool is_camera = page.record_class == sampledb::RecordClass::kCamera;
-    if (is_camera == follows_) {
-        out.value.resize(end - begin);
-        means_at(page, begin, out.value);
-        for (std::size_t i = 0; i < out.value.size(); ++i) {
-            const float share = out.share[i], mean = out.value[i];
-            out.value[i] = is_camera ? share * mean : share > 0 ? share / mean : 0;
-        }
-    } else {
-        out.value = out.share;
-    }
+    const auto cells = [&](std::size_t column, std::vector<std::uint8_t>& copies) {
+        return leading_bytes(page.extra[column], begin, end, copies);
+    };
+    LensRows rows{.u = &page.u[begin], .v = &page.v[begin]};
+    if (lens_closes()) rows.x = cells((*lens_columns_)[0], out.cells[0]), rows.y = cells((*lens_columns_)[1], out.cells[1]);
+    if (time_column_) rows.time = cells(*time_column_, out.cells[2]);
+    out.share.resize(end - begin);
+    out.value.resize(end - begin);
+    const LightFactor light = is_camera != follows_ ? LightFactor::kWeight
+                              : is_camera           ? LightFactor::kTimesMean
+                                                    : LightFactor::kOverMean;
+    weigh_rows(tables(), rows, light, out.share, out.value);
     if (is_camera) return;
     std::ranges::fill(out.share, 0.0f);
     if (!moves_records() || light_.empty()) return;

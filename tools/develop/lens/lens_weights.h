@@ -16,6 +16,7 @@
 #include "tools/develop/film/film_grid.h"
 #include "tools/develop/lens/aperture.h"
 #include "tools/develop/lens/lens_columns.h"
+#include "tools/develop/lens/lens_rows.h"
 #include "tools/develop/lens/shutter.h"
 
 namespace latent::develop {
@@ -64,7 +65,7 @@ class LensWeights {
     // What the values and the shares of rows are multiplied by; the share of a light record is 0.
     struct Factors {
         std::vector<float> value, share;
-        std::array<std::vector<std::uint8_t>, 2> lens;  // for their making
+        std::array<std::vector<std::uint8_t>, 3> cells;  // for their making: of x, y and time
     };
     void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const;
 
@@ -86,9 +87,7 @@ class LensWeights {
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
     void set_shutter(const Shutter& shutter, const ShutterCurve& curve);
     void set_means(const LensSums& square_sums, double disk);
-    void through_lens(const sampledb::Page& page, std::size_t begin, Factors& out) const;
-    void through_shutter(const sampledb::Page& page, std::size_t begin, Factors& out) const;
-    void means_at(const sampledb::Page& page, std::size_t begin, std::span<float> means) const;
+    LensTables tables() const;
     float share_on_film(double u, double v) const;
     std::array<double, 2> light_between(std::size_t first, std::size_t last, double begin, double end, double u, double v) const;
     double half_chord(double y_on_lens, double v) const;
@@ -100,26 +99,19 @@ class LensWeights {
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
     std::vector<float> cells_{};                                // transmission; none: 1
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
-    // The mean over the lens, on kPatches x kPatches patches of the film: at a corner, and what is added to the right of it, below
-    // it, and in both directions.
-    static constexpr int kPatchBits = 5, kPatches = 1 << kPatchBits;
-    struct Patch {
-        float corner, right, down, both;
-    };
-    std::vector<Patch> patches_{};  // none: 1
+    std::vector<Patch> patches_{};                              // the mean over the lens, row by row; none: the same everywhere
+    float even_mean_ = 1;                                       // of what is the same everywhere
 
     LensSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 
     std::array<double, 2> film_shift_{};  // of u and v, per radius of the lens
 
     std::optional<std::size_t> time_column_{};
-    std::array<float, 256> open_{};  // transmission in each cell of time; for a rolling shutter, that of the row in the middle
-    float time_mean_ = 1;
-    // Transmission in a cell of time, by the time from the beginning of a row's exposure to that of the cell. Between the entries,
-    // which begin at -1 cell, it is linear, so that its sum over the cells is the same for all rows.
+    // Transmission, by cells of time; of a rolling shutter in shorter steps, which begin at -1 cell: between them it is linear, so
+    // that its sum over the cells is the same for all rows. One more is 0.
     static constexpr int kStepsPerCell = 16;
-    std::vector<float> rolling_open_{};             // none: rows are exposed together; the last two are 0
-    float rolling_begins_ = 0, rolling_later_ = 0;  // in steps: the first entry, in the first row; how much later it is in the last
+    std::vector<float> open_{};
+    RowSteps steps_{};
 };
 
 }  // namespace latent::develop
