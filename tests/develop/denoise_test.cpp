@@ -162,6 +162,34 @@ TEST(Denoise, LightOfFewSamplesDoesNotSpreadOverTheDark) {
     }
 }
 
+TEST(Denoise, PixelsWithoutRecordsNeitherGetLightNorTakeIt) {
+    const auto plain = [](int, int) { return Pixel{0.3f, 0.5f}; };
+    std::vector<std::string> names = kNames;
+    names.emplace_back("weight");
+    const auto is_known = [](int x, int y) { return x % 8 != 4 || y % 8 != 4; };
+    const auto with_weight = [&](const std::vector<float>& from) {
+        std::vector<float> pixels;
+        for (int i = 0; i < kSide * kSide; ++i) {
+            const float* const pixel = from.data() + static_cast<std::size_t>(i) * kNames.size();
+            const bool known = is_known(i % kSide, i / kSide);
+            for (std::size_t k = 0; k < kNames.size(); ++k)
+                pixels.push_back(known || k >= 4 ? pixel[k] : 0);  // surfaces do not tell
+            pixels.push_back(known ? 3.0f : 0.0f);
+        }
+        return pixels;
+    };
+    const std::vector<float> out = denoise(DenoisedValues::find(names), 1, kAll, with_weight(noisy(plain, 9)), kAll);
+    double sum = 0, count = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const float value = out[static_cast<std::size_t>(i) * names.size()];
+        if (is_known(i % kSide, i / kSide))
+            sum += static_cast<double>(value), ++count;
+        else
+            EXPECT_EQ(value, 0) << i;
+    }
+    EXPECT_NEAR(sum / count, 0.3, 4 * kSigma / std::sqrt(count));
+}
+
 // Light of one group that varies, and of another that ends at an edge.
 TEST(Denoise, LightGroupsAreDenoisedByThemselvesAndTheirSumIsThePicture) {
     const auto group = [](bool edge) { return [edge](int x, int) { return Pixel{edge && x >= kSide / 2 ? 0.2f : 1.0f, 0.5f}; }; };

@@ -109,6 +109,10 @@ class Denoiser {
         add(values.albedo, albedo_);
         add(values.normal, normal_);
         if (values.depth) depth_.push_back(plane(*values.depth));
+        if (values.weight) {
+            known_.push_back(plane_of(held, pixels, values.outputs,
+                                      [&](const float* pixel) { return pixel[*values.weight] != 0 ? 1.0f : 0.0f; }));
+        }
         for (std::int64_t dy = 0; dy <= kRadius; ++dy) {
             for (std::int64_t dx = dy > 0 ? -kRadius : 1; dx <= kRadius; ++dx) {
                 if (dx * dx + dy * dy <= kRadius * (kRadius + 1)) add_neighbours(dx, dy);
@@ -136,6 +140,7 @@ class Denoiser {
     bool with_variance_;
     std::vector<Channel> channels_;
     std::vector<Plane> albedo_, normal_, depth_;  // three, three, one; or none
+    std::vector<Plane> known_;                    // one or none: 1 where a pixel has camera records, else 0
     Plane weights_;                               // sums; a pixel's own is 1
 };
 
@@ -165,6 +170,10 @@ void Denoiser::add_neighbours(std::int64_t dx, std::int64_t dy) {
         float* const weight = weights.row(y) + pairs.x0;
         weigh_differences(n, weight);
         weigh_surfaces(n, dx, dy, y, pairs.x0, weight);
+        for (const Plane& known : known_) {
+            multiply_row(n, known.row(y) + pairs.x0, weight);
+            multiply_row(n, known.row(y + dy) + pairs.x0 + dx, weight);
+        }
     }
     add_weighted(weights, dx, dy, 0, 0);
     add_weighted(weights, -dx, -dy, -dx, -dy);
@@ -228,6 +237,7 @@ DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
     values.albedo = place("albedo.R");
     values.normal = place("N.X");
     values.depth = place("Z");
+    values.weight = place("weight");
     values.variance = place("variance." + names.front());
     return values;
 }

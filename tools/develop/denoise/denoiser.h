@@ -23,6 +23,7 @@ struct DenoisedValues {
     Part picture{};
     std::vector<Part> lights{};                              // whose sum is the picture; none: it is denoised itself
     std::optional<std::size_t> albedo{}, normal{}, depth{};  // three, three and one
+    std::optional<std::size_t> weight{};                     // of camera records; pixels without are neighbours of none
     std::optional<std::size_t> variance{};                   // becomes that of the denoised picture
 
     // From the names that RowLayout gives; those of the channels come first.

@@ -28,6 +28,10 @@ void AddRow(std::size_t n, const float* HWY_RESTRICT from, float* HWY_RESTRICT t
     for (std::size_t i = 0; i < n; ++i) to[i] += from[i];
 }
 
+void MultiplyRow(std::size_t n, const float* HWY_RESTRICT by, float* HWY_RESTRICT to) {
+    for (std::size_t i = 0; i < n; ++i) to[i] *= by[i];
+}
+
 void AddDifferences(std::size_t n, float share, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b,
                     const float* HWY_RESTRICT v, const float* HWY_RESTRICT w, float* HWY_RESTRICT to) {
     for (std::size_t i = 0; i < n; ++i)
@@ -73,6 +77,7 @@ HWY_AFTER_NAMESPACE();
 namespace latent::develop {
 
 LATENT_SIMD_EXPORT(AddRow);
+LATENT_SIMD_EXPORT(MultiplyRow);
 LATENT_SIMD_EXPORT(AddDifferences);
 LATENT_SIMD_EXPORT(WeighDifferences);
 LATENT_SIMD_EXPORT(WeighVectors);
@@ -81,6 +86,7 @@ LATENT_SIMD_EXPORT(AddProducts);
 LATENT_SIMD_EXPORT(AddSquaredProducts);
 
 void add_row(std::size_t n, const float* from, float* to) { LATENT_SIMD_CALL(AddRow)(n, from, to); }
+void multiply_row(std::size_t n, const float* by, float* to) { LATENT_SIMD_CALL(MultiplyRow)(n, by, to); }
 void add_differences(std::size_t n, float share, const float* a, const float* b, const float* v, const float* w, float* to) {
     LATENT_SIMD_CALL(AddDifferences)(n, share, a, b, v, w, to);
 }

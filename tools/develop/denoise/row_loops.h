@@ -10,6 +10,9 @@ namespace latent::develop {
 // `to` += `from`, of n numbers.
 void add_row(std::size_t n, const float* from, float* to);
 
+// `to` *= `by`.
+void multiply_row(std::size_t n, const float* by, float* to);
+
 // `to` += share x (a - b)^2 / (v + w), where a and b have the variances v and w, but no more than a pixel can show.
 void add_differences(std::size_t n, float share, const float* a, const float* b, const float* v, const float* w, float* to);
 

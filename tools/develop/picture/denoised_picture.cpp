@@ -11,7 +11,7 @@ namespace {
 
 // Layers that serve the denoiser, and are dropped unless they were asked for.
 bool is_dropped(const std::string& name, const Layers& kept) {
-    return (!kept.halves && (name.starts_with("half0.") || name.starts_with("half1."))) ||
+    return (!kept.halves && (name.starts_with("half0.") || name.starts_with("half1."))) || (!kept.weight && name == "weight") ||
            (!kept.albedo && name.starts_with("albedo.")) || (!kept.normal && name.starts_with("N.")) ||
            (!kept.depth && name == "Z");
 }

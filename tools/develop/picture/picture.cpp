@@ -207,7 +207,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     if (!(options.denoise >= 0 && options.denoise <= 1))
         return usage_error(fmt::format("--denoise={:g}: choose from 0, as it is, to 1, without noise", options.denoise));
     if (options.denoise > 0) {
-        layers.halves = true;
+        layers.halves = layers.weight = true;
         add_surface(job, layers);
     }
     if (Status s = channels->add_layers(job, layers); !s) return s.error();
