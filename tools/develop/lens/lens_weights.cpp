@@ -113,20 +113,21 @@ void LensWeights::set_means(const LensSums& square_sums, double disk) {
     std::vector<float> means;  // at the corners of the patches
     double mean = 0, kept = 0;
     for (std::size_t j = 0; j < across; ++j) {
-        std::array<double, kLensCells> chords{};
-        for (std::size_t row = 0; row < kLensCells; ++row) chords[row] = half_chord(middle_of_cell(row), place(j));
-        for (std::size_t i = 0; i < across; ++i) {
-            Moments here;
-            for (std::size_t row = 0; row < kLensCells; ++row) {
-                const auto [begin, end] = in_rear_rim(chords[row], place(i));
-                here.mean += light_.rows_between(row, row + 1, begin, end);
-                here.square += square_sums.rows_between(row, row + 1, begin, end);
+        std::vector<Moments> here(across);
+        for (std::size_t row = 0; row < kLensCells; ++row) {  // first, so that its sums stay in the nearest cache
+            const double chord = half_chord(middle_of_cell(row), place(j));
+            for (std::size_t i = 0; i < across; ++i) {
+                const auto [begin, end] = in_rear_rim(chord, place(i));
+                here[i].mean += light_.rows_between(row, row + 1, begin, end);
+                here[i].square += square_sums.rows_between(row, row + 1, begin, end);
             }
-            here.mean /= disk, here.square /= disk;
-            means.push_back(static_cast<float>(here.mean));
+        }
+        for (std::size_t i = 0; i < across; ++i) {
+            here[i].mean /= disk, here[i].square /= disk;
+            means.push_back(static_cast<float>(here[i].mean));
             const double area = share(i) * share(j);
-            mean += area * here.mean;
-            kept += area * here.kept();
+            mean += area * here[i].mean;
+            kept += area * here[i].kept();
         }
     }
     mean_ *= mean;
