@@ -12,6 +12,20 @@ namespace latent::darkroom {
 
 using image::Rect;
 
+namespace {
+
+// A pixel as its samples give it, before noise is removed, with variance and count.
+develop::PictureOptions measured(const Decisions& decisions, const develop::Size& size, int x, int y) {
+    develop::PictureOptions picture = picture_of(decisions, size, {x, y, x + 1, y + 1});
+    picture.denoise = 0;
+    picture.dim_fireflies = false;
+    picture.layers = {};
+    picture.layers.variance = picture.layers.count = true;
+    return picture;
+}
+
+}  // namespace
+
 Result<Histogram> Engine::histogram(const Recipe& recipe, const develop::Size& size, const ViewOptions& options) {
     Result<Decisions> decisions = decide(recipe);
     if (!decisions) return decisions.error();
@@ -39,11 +53,7 @@ Result<Probe> Engine::probe(const Recipe& recipe, const develop::Size& size, int
     convert::CodeValues codes;
     const Result<convert::ConvertReport> printed = print(*decisions, size, *block, pixel, codes, {.stopped = stopped});
     if (!printed) return printed.error();
-    develop::PictureOptions picture = picture_of(*decisions, size, pixel);
-    picture.denoise = 0;
-    picture.dim_fireflies = false;
-    picture.layers = {};
-    picture.layers.variance = picture.layers.count = true;
+    const develop::PictureOptions picture = measured(*decisions, size, x, y);
     const auto make = [this, picture](KeptPicture& made, const Stopped& given_up) {
         return develop(picture, given_up, made.linear);
     };
@@ -73,13 +83,10 @@ Result<ProbedSpectrum> Engine::spectrum(const Recipe& recipe, const develop::Siz
     Result<Decisions> decisions = decide(recipe);
     if (!decisions) return decisions.error();
     if (Status s = check_view(*decisions); !s) return s.error();
-    develop::PictureOptions picture = picture_of(*decisions, size, {x, y, x + 1, y + 1});
+    develop::PictureOptions picture = measured(*decisions, size, x, y);
     picture.observer = {};
-    picture.ratio = picture.dim_fireflies = false;
-    picture.denoise = 0;
+    picture.ratio = false;
     picture.spectral_bins.count = bins;
-    picture.layers = {};
-    picture.layers.variance = picture.layers.count = true;
     const auto make = [this, picture](KeptPicture& made, const Stopped& given_up) {
         return develop(picture, given_up, made.linear);
     };
