@@ -30,18 +30,27 @@ struct Input {
     RunIndex index;
 };
 
-// One run as the renderer would make it: default S, 5 % light records, positions derived or explicit.
-Input make_input(RecordKind kind, bool derived) {
+struct Form {
+    const char* name;
+    PositionSamplerSpec positions;
+};
+const Form kForms[] = {{"positions of Halton", {PositionSampler::kHalton23, 0x12345678, 0x9ABCDEF0}},
+                       {"explicit positions", {}},
+                       {"positions by pixels of 960 x 640", synthetic::pixels_of(960, 640)},
+                       {"positions by pixels of 9600 x 6400", synthetic::pixels_of(9600, 6400)}};
+constexpr int kFormCount = static_cast<int>(std::size(kForms));
+
+// One run as the renderer would make it: default S, 5 % light records.
+Input make_input(RecordKind kind, const Form& form) {
     Input input;
     input.job = synthetic::make_job(kind);
-    if (!derived) input.job.positions.sampler = PositionSampler::kNone;
     const std::uint64_t bytes = synthetic::make_records(input.job, {0, 1}).raw_bytes();
     input.job.run_samples = default_run_samples(bytes);
     input.range = {0, input.job.run_samples};
-    Job emitting = input.job;  // the same positions, whether the file may leave them out or not
-    emitting.positions = {PositionSampler::kHalton23, 0x12345678, 0x9ABCDEF0};
-    if (!derived) input.job.positions = {};
-    input.records = synthetic::make_records(emitting, input.range, {.black = 0.05, .light_per_sample = 0.05});
+    const Job emitting = input.job;  // Halton's positions, where the file may not leave them out
+    input.job.positions = form.positions;
+    input.records = synthetic::make_records(form.positions.sampler == PositionSampler::kNone ? emitting : input.job, input.range,
+                                            {.black = 0.05, .light_per_sample = 0.05});
     input.run = *encode_run(input.job, Coverage(input.range), input.records);
     input.header = *decode_run_header(input.run);
     input.index = *decode_run_index(ByteSpan(input.run).subspan(input.header.index_offset()), input.header, input.job);
@@ -50,15 +59,20 @@ Input make_input(RecordKind kind, bool derived) {
         const auto stored = stored_columns(input.job, info, ByteSpan(input.run).subspan(info.offset, info.stored_size));
         for (const StoredColumn& column : *stored) columns[column.name] += column.stored;
     }
-    print_sizes(fmt::format("{}, {} positions", kind == RecordKind::kXyz ? "XYZ" : "spectral", derived ? "derived" : "explicit"),
-                input.records.size(), input.run.size(), columns);
+    print_sizes(fmt::format("{}, {}", kind == RecordKind::kXyz ? "XYZ" : "spectral", form.name), input.records.size(),
+                input.run.size(), columns);
     return input;
 }
 
 const Input& input_of(const benchmark::State& state) {
-    static const Input inputs[] = {make_input(RecordKind::kXyz, true), make_input(RecordKind::kXyz, false),
-                                   make_input(RecordKind::kSpectral, true), make_input(RecordKind::kSpectral, false)};
-    return inputs[state.range(0)];
+    static const std::vector<Input> inputs = [] {
+        std::vector<Input> all;
+        for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
+            for (const Form& form : kForms) all.push_back(make_input(kind, form));
+        }
+        return all;
+    }();
+    return inputs[static_cast<std::size_t>(state.range(0))];
 }
 
 void count(benchmark::State& state, const Input& input) {
@@ -92,8 +106,8 @@ void decode(benchmark::State& state) {
     count(state, input);
 }
 
-BENCHMARK(encode)->ArgName("form")->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
-BENCHMARK(decode)->ArgName("form")->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
+BENCHMARK(encode)->ArgName("form")->DenseRange(0, 2 * kFormCount - 1)->Unit(benchmark::kMillisecond);
+BENCHMARK(decode)->ArgName("form")->DenseRange(0, 2 * kFormCount - 1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace latent::sampledb

@@ -23,7 +23,7 @@ Error out_of_range(const char* what) { return {ErrorCode::kOutOfRange, std::stri
 }  // namespace
 
 Result<Job> job_from(const latent_job* from) {
-    const Result<latent_job> taken_job = taken(from, sizeof(latent_job), "job");
+    const Result<latent_job> taken_job = taken(from, kJobSize, "job");
     if (!taken_job) return taken_job.error();
     const latent_job& given = *taken_job;
     Job job;
@@ -40,8 +40,8 @@ Result<Job> job_from(const latent_job* from) {
     job.light_paths_per_sample = given.light_paths_per_sample;
     if (given.precision > kFullPrecision) return out_of_range("precision is above 23");
     if (given.precision != 0) job.precision = static_cast<std::uint8_t>(given.precision);
-    if (given.sampler > LATENT_HALTON23) return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
-    job.positions = {static_cast<PositionSampler>(given.sampler), given.shift_u, given.shift_v};
+    if (given.sampler > LATENT_PIXELS) return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
+    job.positions = {static_cast<PositionSampler>(given.sampler), given.shift_u, given.shift_v, given.width, given.height};
     if (given.knot_count > 0) {
         if (given.knots == nullptr) return usage_error("job.knots is null");
         if (given.knot_count > 4096) return out_of_range("more than 4096 knots");
@@ -78,7 +78,7 @@ latent_status latent_positions(const latent_job* job, const uint64_t* sample, si
         if (made->positions.sampler == latent::sampledb::PositionSampler::kNone) {
             return latent::usage_error("the job has no position sampler");
         }
-        latent::sampledb::halton23(std::span(sample, count), made->positions, std::span(u, count), std::span(v, count));
+        latent::sampledb::positions_of(std::span(sample, count), made->positions, std::span(u, count), std::span(v, count));
         return {};
     });
 }

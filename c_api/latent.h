@@ -59,7 +59,7 @@ LATENT_API const char* latent_version(void);
 
 enum { LATENT_SPECTRAL = 1, LATENT_XYZ = 2 };                                                           /* record kinds */
 enum { LATENT_CAMERA = 0, LATENT_LIGHT = 1 };                                                           /* record classes */
-enum { LATENT_NO_SAMPLER = 0, LATENT_HALTON23 = 1 };                                                    /* position samplers */
+enum { LATENT_NO_SAMPLER = 0, LATENT_HALTON23 = 1, LATENT_PIXELS = 2 };                                 /* position samplers */
 enum { LATENT_U8 = 1, LATENT_U16 = 2, LATENT_U32 = 3, LATENT_U64 = 4, LATENT_F32 = 5, LATENT_F64 = 6 }; /* column types */
 #define LATENT_NO_INDEX 0xFFFFu
 #define LATENT_GRAIN 1024u /* samples */
@@ -90,13 +90,14 @@ typedef struct latent_job {
     uint32_t light_paths_per_sample;      /* 0: no light records */
     uint32_t precision;                   /* mantissa bits kept of values, 1..23, rounded without bias; 0: 23, all */
     uint32_t run_samples;                 /* S, a power of two, 2^10..2^22; 0: a suitable one */
-    uint32_t sampler;                     /* LATENT_HALTON23: positions that follow it are derived, not stored */
+    uint32_t sampler;                     /* unless LATENT_NO_SAMPLER: positions that follow it are derived, not stored */
     uint64_t run_bytes;                   /* R, most bytes of a run in memory; 0: 256 MiB */
     uint32_t shift_u, shift_v;            /* of the sampler */
     const latent_knot* knots;             /* the density that wavelengths are drawn from; null: wavelengths are stored */
     size_t knot_count;                    /* 0, or 2..4096 */
     const latent_column* extra;           /* further columns */
     size_t extra_count;                   /* at most 128 */
+    uint32_t width, height;               /* LATENT_PIXELS: of the picture that samples are spread for, 1..2^20; else 0 */
 } latent_job;
 
 /* Positions of `count` samples by the job's sampler, in units of 2^-32 of the film. LATENT_USAGE without a sampler. */

@@ -37,6 +37,7 @@ struct latent_reader {
         job.run_samples = from.run_samples, job.run_bytes = from.run_bytes;
         job.sampler = static_cast<uint32_t>(from.positions.sampler);
         job.shift_u = from.positions.shift_u, job.shift_v = from.positions.shift_v;
+        job.width = from.positions.width, job.height = from.positions.height;
         job.knots = knots.empty() ? nullptr : knots.data(), job.knot_count = knots.size();
         job.extra = extra.empty() ? nullptr : extra.data(), job.extra_count = extra.size();
     }
@@ -131,7 +132,7 @@ latent_status latent_reader_job(const latent_reader* reader, latent_job* job, la
     return c::guarded(error, [&]() -> Status {
         const auto object = Readers::open().find(reader, "reader");
         if (!object) return object.error();
-        return c::give((*object)->job, job, sizeof(latent_job), "job");
+        return c::give((*object)->job, job, c::kJobSize, "job");
     });
 }
 

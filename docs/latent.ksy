@@ -122,6 +122,14 @@ types:
         type: u1
         if: _parent.minor >= 1
         doc: Mantissa bits of the values; 23 where it is absent.
+      - id: width
+        type: u4
+        if: _parent.minor >= 2
+        doc: W of the sampler pixels; 0 with another.
+      - id: height
+        type: u4
+        if: _parent.minor >= 2
+        doc: H of the sampler pixels; 0 with another.
   knot:
     seq:
       - id: cumulative
@@ -379,6 +387,7 @@ enums:
   sampler:
     0: none
     1: halton23
+    2: pixels
   column_type:
     1: u8
     2: u16
@@ -415,6 +424,7 @@ enums:
     9: stepped_delta2
     10: stepped_sparse_cross
     11: packed_delta2
+    12: pixels
   codec:
     0: raw
     1: zstd

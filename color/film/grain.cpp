@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/mix.h"
 #include "color/film/mono.h"
 #include "color/film/push.h"
 #include "color/film/spectra.h"
@@ -46,18 +47,12 @@ double variance(double width) {
     return sum;
 }
 
-std::uint64_t mixed(std::uint64_t z) {  // [SplitMix64]
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-    return z ^ (z >> 31);
-}
-
 // Numbers of mean 8 and variance 4, nearly normal: of each 16 bits, how many are set.
 struct Counts {
     std::int32_t n[4];
 };
 Counts counts(std::uint64_t key, std::int64_t x, std::int64_t y) {
-    std::uint64_t b = mixed(key ^ (static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 + (static_cast<std::uint64_t>(y) << 32)));
+    std::uint64_t b = mix(key ^ (static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 + (static_cast<std::uint64_t>(y) << 32)));
     b -= (b >> 1) & 0x5555555555555555;
     b = (b & 0x3333333333333333) + ((b >> 2) & 0x3333333333333333);
     b = (b + (b >> 4)) & 0x0f0f0f0f0f0f0f0f;
@@ -67,7 +62,7 @@ Counts counts(std::uint64_t key, std::int64_t x, std::int64_t y) {
 }
 
 std::uint64_t key_of(std::uint64_t seed, std::uint64_t layer, int level) {
-    return mixed(seed + 0x9e3779b97f4a7c15 * (64 * layer + static_cast<std::uint64_t>(level) + 1));
+    return mix(seed + 0x9e3779b97f4a7c15 * (64 * layer + static_cast<std::uint64_t>(level) + 1));
 }
 
 constexpr std::int64_t floor_half(std::int64_t v) { return v >> 1; }

@@ -4,17 +4,13 @@
 #include <bit>
 #include <cstdint>
 
+#include "base/mix.h"
 #include "render/math/vec.h"
 #include "render/sampling/uniform.h"
 
 namespace latent::render {
 
-// A bijection of 64 bits whose every output bit depends on every input bit [Stafford11, variant 13].
-inline std::uint64_t mix(std::uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
+using latent::mix;
 
 inline std::uint64_t mix(std::uint64_t key, const Vec3f& v) {
     const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x)}; };

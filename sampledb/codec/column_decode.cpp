@@ -53,7 +53,7 @@ Status ColumnDecoder::load_planes(const ColumnEntry& entry, std::size_t first, B
     return {};
 }
 
-Status ColumnDecoder::load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
+Status ColumnDecoder::packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
     if (entry.bits == 0) {
         std::ranges::fill(values, 0);
         return entry.planes.empty() ? Status{} : corrupt("a constant column with planes");
@@ -76,7 +76,7 @@ Status ColumnDecoder::plain(const ColumnEntry& entry, std::span<std::byte> value
 
 Status ColumnDecoder::samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
     if (entry.transform != Transform::kPacked && entry.transform != Transform::kLattice) return unknown_transform(entry);
-    if (Status s = load_packed(entry, n); !s) return s;
+    if (Status s = packed(entry, n); !s) return s;
     if (entry.transform == Transform::kPacked) {
         for (std::uint64_t& value : n) value += entry.base;
         return {};

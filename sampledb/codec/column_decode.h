@@ -28,6 +28,8 @@ class ColumnDecoder {
     Status plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width);
     // Sample numbers: packed, or on the lattice.
     Status samples(const ColumnEntry& entry, std::span<std::uint64_t> values);
+    // The numbers in the fields of a packed column, without its base.
+    Status packed(const ColumnEntry& entry, std::span<std::uint64_t> values);
     // y, and its bright rows.
     Status luminance(const ColumnEntry& entry, std::span<float> values, BrightRows& bright);
     // x and z by their difference to y, whose rows `y` and `bright` are.
@@ -43,7 +45,6 @@ class ColumnDecoder {
     // Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
     Status load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,
                        std::size_t value_width);
-    Status load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values);
 
     PlaneDecoder planes_;
     std::array<Bytes, kMaxPlanes> plane_;

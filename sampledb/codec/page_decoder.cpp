@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <utility>
 
 #include "base/hash.h"
+#include "sampledb/data/pixel_places.h"
 #include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
@@ -94,7 +96,7 @@ class PageDecoder::Decoding {
         using Value = typename ColumnAt<i>::Value;
         const bool derives = derived_ && wanted_.positions;
         bool wanted = wanted_.*spec.wanted;
-        if constexpr (spec.coding == Coding::kSample) wanted |= derives;
+        if constexpr (spec.coding == Coding::kSample) return wanted || derives ? samples(entry) : Status{};
         if constexpr (spec.number == Column::kShare) {
             page_.unit_share = is_one(entry);
             wanted &= !page_.unit_share;
@@ -104,9 +106,7 @@ class PageDecoder::Decoding {
 
         const std::span<Value> values = prepare(spec.values, spec.rows == Rows::kPairs ? info_.pair_count : page_.count);
         Status decoded;
-        if constexpr (spec.coding == Coding::kSample) {
-            decoded = columns_.samples(entry, values);
-        } else if constexpr (spec.coding == Coding::kLuminance) {
+        if constexpr (spec.coding == Coding::kLuminance) {
             decoded = columns_.luminance(entry, values, decoder_.bright_);
         } else if constexpr (spec.coding == Coding::kAlongRecords) {
             decoded = columns_.along_records(entry, values, rows(page_.pairs, page_.count), job_.batch);
@@ -128,9 +128,28 @@ class PageDecoder::Decoding {
         return check(entry, values);
     }
 
+    // Sample numbers, or what positions follow from in their stead.
+    Status samples(const ColumnEntry& entry) {
+        const bool by_pixels = entry.transform == Transform::kPixels;
+        if (by_pixels && job_.positions.sampler != PositionSampler::kPixels)
+            return corrupt("samples by pixels that the job does not have");
+        std::span<std::uint64_t> n;
+        if (wanted_.samples) n = prepare(&Columns::sample, page_.count);
+        numbers_ = by_pixels || !wanted_.samples ? at_least(decoder_.numbers_, page_.count) : n;
+        if (Status s = by_pixels ? columns_.packed(entry, numbers_) : columns_.samples(entry, numbers_); !s) return s;
+        if (by_pixels) places_.emplace(job_.positions, info_.node, entry.base);
+        if (!wanted_.samples) return {};
+        if (by_pixels) places_->samples(numbers_, n);
+        return check(entry, n);
+    }
+
     Status derive_positions() {
         const std::span<std::uint32_t> u = prepare(&Columns::u, page_.count), v = prepare(&Columns::v, page_.count);
-        halton23(rows(page_.sample, page_.count), job_.positions, u, v);
+        if (places_) {
+            places_->positions(numbers_, u, v);
+        } else {
+            positions_of(numbers_, job_.positions, u, v);
+        }
         if (Status s = check(entry_of(Column::kU), u); !s) return s;
         return check(entry_of(Column::kV), v);
     }
@@ -190,6 +209,8 @@ class PageDecoder::Decoding {
     Page& page_;
     Page before_;  // for its memory
     bool derived_ = false;
+    std::span<std::uint64_t> numbers_;   // of its samples
+    std::optional<PixelPlaces> places_;  // that they stand for, if they are by pixels
 };
 
 Status PageDecoder::decode(const Job& job, const PageInfo& info, ByteSpan stored, const ColumnSet& columns, Page& page,

@@ -34,6 +34,7 @@ class PageDecoder {
     std::vector<ColumnEntry> table_;
     ColumnDecoder columns_;
     BrightRows bright_;
+    std::vector<std::uint64_t> numbers_;
 };
 
 // What each column of a page takes, for reports.

@@ -10,6 +10,7 @@
 #include "sampledb/codec/planes.h"
 #include "sampledb/codec/zigzag.h"
 #include "sampledb/data/limits.h"
+#include "sampledb/data/pixel_lattice.h"
 #include "sampledb/data/z_order.h"
 
 namespace latent::sampledb {
@@ -90,11 +91,11 @@ void PageEncoder::encode_plain(Column number, ByteSpan values, std::size_t value
 
 // Where the job's sampler puts the samples of a camera page, and whether that is where they are.
 void PageEncoder::find_positions(const Job& job, const Page& page) {
-    sampled_ = page.record_class == RecordClass::kCamera && job.positions.sampler == PositionSampler::kHalton23;
+    sampled_ = page.record_class == RecordClass::kCamera && job.positions.sampler != PositionSampler::kNone;
     derived_ = false;
     if (!sampled_) return;
     const std::span<std::uint32_t> u = at_least(u_, page.count), v = at_least(v_, page.count);
-    halton23(rows(page.sample, page.count), job.positions, u, v);
+    positions_of(rows(page.sample, page.count), job.positions, u, v);
     derived_ = std::ranges::equal(rows(page.u, page.count), u) && std::ranges::equal(rows(page.v, page.count), v);
 }
 
@@ -102,7 +103,7 @@ void PageEncoder::encode_samples(const Job& job, std::span<const std::uint64_t> 
     if (begin_column(Column::kSample, std::as_bytes(n), 8)) return;
     std::uint64_t low = n[0], high = n[0];
     for (const std::uint64_t value : n) low = std::min(low, value), high = std::max(high, value);
-    if (encode_lattice(job, n, low, high)) return;
+    if (encode_pixels(job, n, low, high) || encode_lattice(job, n, low, high)) return;
     ColumnEntry& entry = table_.back();
     entry.transform = Transform::kPacked;
     entry.base = low;
@@ -111,12 +112,31 @@ void PageEncoder::encode_samples(const Job& job, std::span<const std::uint64_t> 
     store_packed(numbers, static_cast<unsigned>(std::bit_width(high - low)));
 }
 
+// A page holds all samples of few pixels, so their numbers are known by the pixel and the pass. False if samples lie elsewhere, or
+// there is nothing to gain.
+bool PageEncoder::encode_pixels(const Job& job, std::span<const std::uint64_t> n, std::uint64_t low, std::uint64_t high) {
+    if (!derived_ || job.positions.sampler != PositionSampler::kPixels) return false;
+    const PixelLattice lattice(job.positions);
+    const PixelLattice::Block block = lattice.block(node_);
+    const std::uint64_t first = lattice.place(low).pass;
+    const std::span<std::uint64_t> numbers = at_least(numbers_, n.size());
+    std::uint64_t all = 0;
+    for (std::size_t i = 0; i < n.size(); ++i) all |= numbers[i] = block.number(lattice.place(n[i]), first);
+    const unsigned bits = static_cast<unsigned>(std::bit_width(all));
+    if (bits >= static_cast<unsigned>(std::bit_width(high - low))) return false;
+    ColumnEntry& entry = table_.back();
+    entry.transform = Transform::kPixels;
+    entry.base = first;
+    store_packed(numbers, bits);
+    return true;
+}
+
 // Sample numbers within a node differ where u does: their reversed low bits are near each other. n = h 2^s + rev_s(f), and
 // f - f0 (mod 2^s) takes about s - level bits, against s for n itself. u without its shift is n reversed, of which the 32 - s low
 // bits are the same for all. False if there is no sampler, or nothing to gain.
 bool PageEncoder::encode_lattice(const Job& job, std::span<const std::uint64_t> n, std::uint64_t low, std::uint64_t high) {
     const int s = std::bit_width(low ^ high);
-    if (!sampled_ || s > 32) return false;
+    if (!sampled_ || job.positions.sampler != PositionSampler::kHalton23 || s > 32) return false;
     const std::span<const std::uint32_t> u = rows(u_, n.size());
     std::int32_t least = 0, most = 0;
     for (const std::uint32_t at : u) {
@@ -272,6 +292,7 @@ PageInfo PageEncoder::encode(const Job& job, const Page& page, Bytes& out) {
     // Rounded X, Y, Z take few bytes, and the entropy coder would take a third of the time to read them.
     const bool quick = job.kind == RecordKind::kXyz && job.precision < kFullPrecision;
     choice_ = quick ? kQuickPlanes : kSmallPlanes;
+    node_ = node_of(page);
     find_positions(job, page);
     if (job.kind == RecordKind::kXyz) {
         find_bright_rows(rows(page.y, page.count));
@@ -291,7 +312,7 @@ PageInfo PageEncoder::encode(const Job& job, const Page& page, Bytes& out) {
     out.insert(out.end(), payload_.begin(), payload_.end());
 
     PageInfo info{};
-    info.node = node_of(page);
+    info.node = node_;
     info.record_class = page.record_class;
     info.record_count = static_cast<std::uint32_t>(page.count);
     info.pair_count = static_cast<std::uint32_t>(pair_count_);

@@ -29,6 +29,7 @@ class PageEncoder {
 
     void encode_plain(Column number, ByteSpan values, std::size_t value_width);
     void encode_samples(const Job& job, std::span<const std::uint64_t> n);
+    bool encode_pixels(const Job& job, std::span<const std::uint64_t> n, std::uint64_t low, std::uint64_t high);
     bool encode_lattice(const Job& job, std::span<const std::uint64_t> n, std::uint64_t low, std::uint64_t high);
     void encode_position(Column number, std::span<const std::uint32_t> positions);
     void encode_luminance(std::span<const float> y);
@@ -45,6 +46,7 @@ class PageEncoder {
     // The page at hand.
     std::vector<ColumnEntry> table_;
     Bytes payload_;
+    FilmNode node_;
     bool sampled_ = false;  // u_ and v_ are where the job's sampler puts its samples
     bool derived_ = false;  // all of its records lie there
     bool sparse_ = false;   // only bright rows are worth storing

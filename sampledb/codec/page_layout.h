@@ -31,6 +31,7 @@ enum class Transform : std::uint8_t {
     kSteppedDelta2 = 9,  //   counted in these
     kSteppedSparseCross = 10,
     kPackedDelta2 = 11,  // as kSteppedDelta2, in fields of few bits instead of byte planes
+    kPixels = 12,        // sample numbers, by pixel and pass
 };
 
 constexpr std::size_t kColumnEntrySize = 24;
@@ -38,7 +39,7 @@ constexpr std::size_t kColumnEntrySize = 24;
 struct ColumnEntry {
     Column column{};
     Transform transform = Transform::kPlanes;
-    std::uint8_t bits = 0;          // for kPacked and kLattice; the step of kStepped... and kPackedDelta2
+    std::uint8_t bits = 0;          // for kPacked, kLattice and kPixels; the step of kStepped... and kPackedDelta2
     std::uint8_t lattice_bits = 0;  // s of kLattice
     std::uint64_t base = 0;
     std::uint64_t hash = 0;  // XXH3-64 of the decoded values

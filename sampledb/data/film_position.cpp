@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 
+#include "sampledb/data/pixel_lattice.h"
+
 namespace latent::sampledb {
 
 namespace {
@@ -105,6 +107,24 @@ void halton23(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec,
 
 FilmPosition halton23(std::uint64_t n, const PositionSamplerSpec& spec) {
     return {reverse_bits(static_cast<std::uint32_t>(n)) + spec.shift_u, phi3(n) + spec.shift_v};
+}
+
+FilmPosition position_of(std::uint64_t n, const PositionSamplerSpec& spec) {
+    if (spec.sampler == PositionSampler::kHalton23) return halton23(n, spec);
+    const PixelLattice lattice(spec);
+    return lattice.position(lattice.place(n));
+}
+
+void positions_of(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec, std::span<std::uint32_t> u,
+                  std::span<std::uint32_t> v) {
+    if (spec.sampler == PositionSampler::kHalton23) return halton23(n, spec, u, v);
+    assert(u.size() == n.size() && v.size() == n.size());
+    const PixelLattice lattice(spec);
+    for (std::size_t i = 0; i < n.size(); ++i) {
+        const FilmPosition at = lattice.position(lattice.place(n[i]));
+        u[i] = at.u;
+        v[i] = at.v;
+    }
 }
 
 }  // namespace latent::sampledb

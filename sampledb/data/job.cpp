@@ -40,8 +40,14 @@ Status Job::validate() const {
         return refuse(fmt::format("run cap of {} bytes, not 64K to 1G", run_bytes));
     if (precision < 1 || precision > kFullPrecision)
         return refuse(fmt::format("a precision of {} bits, not 1 to {}", precision, kFullPrecision));
-    if (positions.sampler != PositionSampler::kNone && positions.sampler != PositionSampler::kHalton23) {
-        return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
+    if (positions.sampler > PositionSampler::kPixels) return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
+    const auto is_side = [](std::uint32_t side) { return side >= 1 && side <= kMaxLatticeSide; };
+    if (positions.sampler == PositionSampler::kPixels) {
+        if (!is_side(positions.width) || !is_side(positions.height))
+            return refuse(
+                fmt::format("a lattice of {} x {} pixels, not 1 to {}", positions.width, positions.height, kMaxLatticeSide));
+    } else if (positions.width != 0 || positions.height != 0) {
+        return refuse("a lattice of pixels without its sampler");
     }
     if (positions.sampler == PositionSampler::kNone && (positions.shift_u != 0 || positions.shift_v != 0)) {
         return refuse("a shift of positions without a sampler");

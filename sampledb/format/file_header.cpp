@@ -11,10 +11,14 @@ constexpr std::size_t kFrontSize = 64;  // what is checked before the rest is us
 constexpr std::size_t kKnotSize = 12;
 
 // The lowest version that says it all, so that programs that know no higher one read what they can.
-std::uint16_t minor_of(const Job& job) { return job.precision < kFullPrecision ? 1 : 0; }
+std::uint16_t minor_of(const Job& job) {
+    if (job.positions.sampler == PositionSampler::kPixels) return 2;
+    return job.precision < kFullPrecision ? 1 : 0;
+}
 std::uint64_t features_of(const Job& job) {
     return kFooterFeature | (job.precision < kFullPrecision ? kPrecisionFeature : 0) |
-           (job.extra.size() > kFewExtraColumns ? kManyColumnsFeature : 0);
+           (job.extra.size() > kFewExtraColumns ? kManyColumnsFeature : 0) |
+           (job.positions.sampler == PositionSampler::kPixels ? kPixelsFeature : 0);
 }
 
 Bytes encode_job(const FileHeader& header) {
@@ -47,6 +51,10 @@ Bytes encode_job(const FileHeader& header) {
     }
     out.put(std::as_bytes(std::span(header.provenance_json)));
     if (minor_of(job) >= 1) out.put(job.precision);
+    if (minor_of(job) >= 2) {
+        out.put(job.positions.width);
+        out.put(job.positions.height);
+    }
     return body;
 }
 
@@ -84,6 +92,10 @@ Result<FileHeader> decode_job(ByteSpan body, std::uint16_t minor, std::uint64_t 
     }
     header.provenance_json = get_text(in, provenance_size);
     if (minor >= 1) job.precision = in.get<std::uint8_t>();
+    if (minor >= 2) {
+        job.positions.width = in.get<std::uint32_t>();
+        job.positions.height = in.get<std::uint32_t>();
+    }
     if (!in.ok() || (minor <= kHeaderMinor && in.remaining() != 0)) return corrupt("the header's fields do not fill it");
     if (knot_count != 0) {
         Result<WavelengthDensity> density = WavelengthDensity::from_knots(std::move(knots));
@@ -136,7 +148,8 @@ Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size) 
     const std::uint64_t body_hash = in.get<std::uint64_t>();
     in.take(16);
     if (in.get<std::uint64_t>() != hash64(bytes.first(kFrontSize - 8))) return corrupt("header checksum mismatch");
-    if (Status s = check_version(major, features, kPrecisionFeature | kFooterFeature | kManyColumnsFeature); !s) return s.error();
+    if (Status s = check_version(major, features, kPrecisionFeature | kFooterFeature | kManyColumnsFeature | kPixelsFeature); !s)
+        return s.error();
     if (size % kBlock != 0 || size == 0 || size > kMaxHeaderSize || body_size > size - kFrontSize) {
         return corrupt("a header of impossible size");
     }

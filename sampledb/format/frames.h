@@ -21,10 +21,11 @@ inline constexpr Magic kRunMagic = {0x8D, 'L', 'T', 'D', 'B', 'R', '\r', '\n'};
 inline constexpr Magic kFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'I', '\r', '\n'};
 inline constexpr Magic kFirstFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'E', '\r', '\n'};  // as version 0.1 wrote it
 inline constexpr std::uint16_t kMajor = 1;
-inline constexpr std::uint16_t kHeaderMinor = 1;       // the highest that this program writes and knows
+inline constexpr std::uint16_t kHeaderMinor = 2;       // the highest that this program writes and knows
 inline constexpr std::uint64_t kFooterFeature = 2;     // in a header: the footer has its second form, which 0.1.0 takes for damage
 inline constexpr std::uint64_t kPrecisionFeature = 1;  // in a header: its field `precision` is below 23
 inline constexpr std::uint64_t kManyColumnsFeature = 4;  // in a header: it has more than 16 extra columns
+inline constexpr std::uint64_t kPixelsFeature = 8;       // in a header: samples lie by PositionSampler::kPixels
 
 inline ByteSpan bytes_of(const Magic& magic) { return std::as_bytes(std::span(magic)); }
 bool begins_with(ByteSpan bytes, const Magic& magic);

@@ -192,17 +192,18 @@ def header_field(place, layout, value, **fields):
 
 for name, place, layout, value, about in [
         ("major", 8, "H", 2, "major version 2"), ("copy-size", 12, "I", BLOCK + 1, "copy_size is not a multiple of 4096"),
-        ("feature-3", 16, "Q", 8, "an unknown feature bit"),
+        ("feature-4", 16, "Q", 16, "an unknown feature bit"),
+        ("feature-without-pixels", 16, "Q", 10, "the feature of the sampler pixels, and another sampler"),
         ("feature-without-columns", 16, "Q", 6, "the feature of many extra columns, and none"), ("feature-private", 16, "Q", 1 << 60, "a private feature bit"),
         ("body-size", 24, "Q", BLOCK - 63, "body_size exceeds the copy"), ("aspect", 64 + 16, "I", 0, "an aspect of 0 : 2"),
         ("aspect-not-lowest", 64 + 16, "I", 4, "an aspect of 4 : 2"), ("kind", 64 + 24, "B", 3, "record kind 3"),
-        ("sampler", 64 + 25, "B", 2, "position sampler 2"), ("k", 64 + 26, "H", 1025, "1025 wavelengths"),
+        ("sampler", 64 + 25, "B", 3, "position sampler 3"), ("k", 64 + 26, "H", 1025, "1025 wavelengths"),
         ("light-unit", 64 + 32, "Q", 0x7FF0000000000000, "an infinite light unit"),
         ("run-bytes", 64 + 40, "Q", 2**30 + 1, "R above its bound"),
         ("run-samples", 64 + 48, "I", 1500, "S is not a power of two"), ("knots", 64 + 60, "I", 1, "a density of one knot"),
         ("knots-descend", 64 + 72 + 8 + 12, "I", 100 << 20, "wavelengths of the knots descend"),
         ("columns", 64 + 64, "I", 129, "129 extra columns"), ("provenance", 64 + 68, "I", 2**19 + 1, "too much provenance")]:
-    later = name in ("major", "feature-3", "feature-private")
+    later = name in ("major", "feature-4", "feature-private")
     case(f"header-{name}", REFUSED, LATER if later else "Header", about)(header_field(place, layout, value))
 
 
@@ -276,7 +277,8 @@ def broken_page(change, **fields):
 
 for name, number, place, layout, value, about, section in [
         ("column-order", 3, 0, "B", 4, "a column is named twice", "Page"),
-        ("transform-12", 7, 1, "B", 12, "transform 12, which does not exist yet", LATER),
+        ("transform-13", 7, 1, "B", 13, "transform 13, which does not exist yet", LATER),
+        ("transform-pixels-without-them", 1, 1, "B", 12, "samples by pixels in a job without a sampler", "Transforms"),
         ("transform-named-codecs", 7, 1, "B", 64, "transform 64, planes with named codecs", LATER),
         ("transform-private", 7, 1, "B", 200, "a private transform", LATER),
         ("transform-of-another-column", 3, 1, "B", 2, "the lattice, for v", "Transforms"),

@@ -46,7 +46,7 @@ for kind in KINDS:
 TRANSFORMS = {0: ("planes", "xyz", 23), 1: ("packed", "xyz", 23), 2: ("lattice", "xyz", 23), 3: ("sampler", "xyz", 23),
               4: ("cross", "xyz", 23), 5: ("delta2", "explicit", 23), 6: ("sparse", "xyz", 23), 7: ("sparse-cross", "xyz", 23),
               8: ("stepped-cross", "xyz", 9), 9: ("stepped-delta2", "explicit", 9), 10: ("stepped-sparse-cross", "xyz", 9),
-              11: ("packed-delta2", "spectral", 9)}
+              11: ("packed-delta2", "spectral", 9), 12: ("pixels", "xyz", 23)}
 
 
 class PreferSparse(Prefer):
@@ -67,7 +67,7 @@ def zeros_together(job, seed):
 
 def with_transform(number, kind, precision):
     def make():
-        job = job_of(kind, precision=precision)
+        job = job_of(kind, precision=precision, **({"pixels": (12, 8)} if number == 12 else {}))
         choice = (PreferSparse if number in (7, 10) else Prefer)(transform=number)
         records = zeros_together(job, number) if kind == "xyz" else records_of(job, [(0, 60)], number)
         run = run_of(job, [(0, 60)], records, choice)
@@ -211,8 +211,9 @@ def later_minor(header):
     header = bytearray(header)
     struct.pack_into("<H", header, 10, 7)
     (body,) = struct.unpack_from("<Q", header, 24)
-    struct.pack_into("<Q", header, 24, body + 6)
-    header[64 + body : 64 + body + 6] = bytes([23, 1, 2, 3, 4, 5])  # the precision, then what is not known yet
+    struct.pack_into("<Q", header, 24, body + 14)
+    known = bytes([23]) + bytes(8)  # the precision and no pixels, then what is not known yet
+    header[64 + body : 64 + body + 14] = known + bytes([1, 2, 3, 4, 5])
     return seal_header(header)
 
 
@@ -226,7 +227,8 @@ JOBS = {"aspect-wide": {"aspect": (2**32 - 1, 2**32 - 2)}, "light-unit-683": {"l
         "light-paths-2^32-1": {"light_paths": 2**32 - 1}, "run-bytes-least": {"run_bytes": 2**16},
         "run-bytes-most": {"run_bytes": 2**30},
         "run-samples-most": {"run_samples": 2**22}, "no-sampler": {"halton": False},
-        "shifts-most": {"shifts": (2**32 - 1, 2**32 - 1)}}
+        "shifts-most": {"shifts": (2**32 - 1, 2**32 - 1)}, "pixels": {"pixels": (640, 360)}, "pixels-one": {"pixels": (1, 1)},
+        "pixels-most": {"pixels": (2**20, 2**20), "precision": 9}}
 for name, fields in JOBS.items():
     case(f"job-{name}", VALID, "Header", "a job with " + ", ".join(f"{key} {value}" for key, value in fields.items()))(
         whole(lambda fields=fields: two_runs("xyz", **fields)))

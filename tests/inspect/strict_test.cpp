@@ -330,7 +330,7 @@ TEST_F(Strict, ASquareThatIsNotTheSmallestIsNamed) {
 }
 
 TEST_F(Strict, FieldsWithoutMeaningAreZero) {
-    expect_one_in_page([](Columns& c) { c[1].bits = 3; }, "column u: bits is 3", "0, unless the transform is 1, 2 or 8 to 11");
+    expect_one_in_page([](Columns& c) { c[1].bits = 3; }, "column u: bits is 3", "0, unless the transform is 1, 2 or 8 to 12");
     expect_one_in_page([](Columns& c) { c[5].base = 0xabc; }, "column y: base is 0xabc", "0, unless");
     expect_one_in_page(
         [](Columns& c) {

@@ -8,7 +8,7 @@ import sys
 FORMATS = {"u8": "B", "u16": "H", "u32": "I", "u64": "Q", "f32": "f", "f64": "d"}
 COLUMNS = ["", "sample", "u", "v", "share", "x", "y", "z", "pairs", "xi", "index", "power", "lambda"]
 TRANSFORMS = ["planes", "packed", "lattice", "sampler", "cross", "delta2", "sparse", "sparse cross",
-              "stepped cross", "stepped delta2", "stepped sparse cross", "packed delta2"]
+              "stepped cross", "stepped delta2", "stepped sparse cross", "packed delta2", "pixels"]
 CODECS = ["raw", "zstd", "constant", "dictionary"]
 
 

@@ -8,7 +8,7 @@ import struct
 import sys
 
 from native import hash64, hash128
-from reader.derived import halton, rounded, rounding_random, rounding_seed, wavelength
+from reader.derived import Pixels, halton, rounded, rounding_random, rounding_seed, wavelength
 from reader.planes import (decode_plane, from_cross, from_delta2, from_lattice, from_packed, from_packed_delta2, from_planes, from_sparse,
                            stored_rows)
 from reader.rules import check
@@ -91,11 +91,27 @@ def check_vectors(page):
         elif name == "halton23":
             for n, r2, r3 in case:
                 expect(name, "%08x %08x" % halton(int(n), (0, 0)), r2 + " " + r3)
-        elif name == "halton23-points":
+        elif name == "pixel-steps":
+            for w, h, step, back in case:
+                pixels = Pixels((int(w), int(h)), (0, 0))
+                expect(name, [pixels.step, pixels.back], [int(step), int(back)])
+        elif name == "pixels":
+            for w, h, n, u, v in case:
+                pixels = Pixels((int(w), int(h)), (0x12345678, 0x9ABCDEF0))
+                expect(name, "%08x %08x" % pixels.point(*pixels.place(int(n))), u + " " + v)
+        elif name == "pixels-transform":
+            values, (bits,) = hex_numbers(case["values"]), ints(case["bits"])
+            pixels = Pixels(ints(case["W H"]), (0, 0))
+            numbers = from_packed(plane(case, "plane 0"), bits, 0, len(values))
+            places = pixels.unpacked(numbers, int(case["base"][0], 16), ints(case["level x y"]))
+            expect(name, [pixels.sample(*place) for place in places], values)
+        elif name in ("halton23-points", "pixels-points"):
             shifts = hex_numbers(case["shifts"])
+            pixels = Pixels(ints(case["W H"]), shifts) if "W H" in case else None
+            point = (lambda n: pixels.point(*pixels.place(n))) if pixels else (lambda n: halton(n, shifts))
             samples = [n for first, step, count in zip(ints(case["first"]), hex_numbers(case["step"]), ints(case["count"]))
                        for n in ((first + i * step) % 2**64 for i in range(count))]
-            points = b"".join(struct.pack("<II", *halton(n, shifts)) for n in samples)
+            points = b"".join(struct.pack("<II", *point(n)) for n in samples)
             expect(name, hash128_hex(points), case["hash128"][0])
         elif name == "wavelengths":
             knots = list(zip(hex_numbers(case["cumulative"]), hex_numbers(case["wavelength"])))

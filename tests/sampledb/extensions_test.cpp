@@ -34,9 +34,10 @@ Bytes one_copy(const Job& job) {
 TEST(Extensions, FieldsOfALaterMinorVersionAreReadPast) {
     Job job = synthetic::make_job(RecordKind::kSpectral);
     job.precision = 11;
+    job.positions = synthetic::pixels_of(3, 2);
     Bytes header = one_copy(job);
     const std::uint64_t body_size = load_le<std::uint64_t>(&header[24]);
-    store_le(&header[10], std::uint16_t{2});
+    store_le(&header[10], std::uint16_t{3});
     store_le(&header[24], body_size + 5);
     std::fill_n(header.begin() + static_cast<std::ptrdiff_t>(kFront + body_size), 5, std::byte{7});
     const Result<FileHeader> read = decode_file_header(sealed(header));
@@ -44,7 +45,7 @@ TEST(Extensions, FieldsOfALaterMinorVersionAreReadPast) {
     EXPECT_TRUE(same_job(read->job, job));
     EXPECT_EQ(read->provenance_json, R"({"host": "a"})");
 
-    for (const std::uint16_t minor : {0, 1}) {  // the fields fill the body
+    for (const std::uint16_t minor : {0, 1, 2}) {  // the fields fill the body
         store_le(&header[10], minor);
         EXPECT_EQ(decode_file_header(sealed(header)).error().code, ErrorCode::kCorrupt);
     }
@@ -59,8 +60,8 @@ TEST(Extensions, AnyUnknownFeatureOfAHeaderOrRunIsRefused) {
         const Result<FileHeader> read = decode_file_header(sealed(header));
         if (bit == 1) {  // known, and set in every header
             EXPECT_TRUE(read);
-        } else {  // bits 0 and 2 are known, and contradict a header without a precision and with few columns
-            EXPECT_EQ(read.error().code, bit == 0 || bit == 2 ? ErrorCode::kCorrupt : ErrorCode::kUnsupported);
+        } else {  // bits 0, 2 and 3 are known, and contradict a header without a precision, with few columns and by Halton
+            EXPECT_EQ(read.error().code, bit == 0 || bit == 2 || bit == 3 ? ErrorCode::kCorrupt : ErrorCode::kUnsupported);
         }
         store_le(&other[16], std::uint64_t{1} << bit);
         store_le(&other[248], hash64(ByteSpan(other).first(248)));

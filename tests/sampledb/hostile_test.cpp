@@ -208,6 +208,12 @@ TEST(Hostile, PagesThatMakeNoSenseAreRefused) {
     Forgery f(without);
     f.job.positions = {};
     EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+    Job by_pixels = make_job(RecordKind::kXyz);  // samples by pixels, but the job's sampler has none
+    by_pixels.positions = synthetic::pixels_of(48, 32);
+    Forgery pixels(by_pixels, 20000);
+    ASSERT_EQ(get<std::uint8_t>(pixels.run, pixels.first_page() + 5), 12);
+    pixels.job.positions = without.positions;
+    EXPECT_EQ(pixels.decoded(), ErrorCode::kCorrupt);
 }
 
 TEST(Hostile, BytesBehindTheIndexAreZero) {

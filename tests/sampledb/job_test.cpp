@@ -37,6 +37,8 @@ const std::vector<std::function<void(Job&)>>& changes() {
         [](Job& j) { j.precision = 11; },
         [](Job& j) { j.positions.shift_v += 1; },
         [](Job& j) { j.positions = {}; },
+        [](Job& j) { j.positions = synthetic::pixels_of(1 << 20, 1); },
+        [](Job& j) { j.positions = synthetic::pixels_of(3, 2), j.precision = 9; },
         [](Job& j) { j.extra[0].name = "distance"; },
         [](Job& j) { j.extra[1].type = ColumnType::kU16; },
         [](Job& j) { j.extra.pop_back(); },
@@ -86,6 +88,9 @@ TEST(Job, ImpossibleJobsAreRefused) {
     EXPECT_TRUE(refused([](Job& j) { j.precision = 0; }));
     EXPECT_TRUE(refused([](Job& j) { j.precision = 24; }));
     EXPECT_TRUE(refused([](Job& j) { j.positions.sampler = PositionSampler::kNone; }));  // with shifts
+    EXPECT_TRUE(refused([](Job& j) { j.positions.width = j.positions.height = 3; }));    // which Halton's positions do not have
+    EXPECT_TRUE(refused([](Job& j) { j.positions = synthetic::pixels_of(0, 2); }));
+    EXPECT_TRUE(refused([](Job& j) { j.positions = synthetic::pixels_of(3, (1 << 20) + 1); }));
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].name = j.extra[0].name; }));
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].name.clear(); }));
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].name.assign(65, 'x'); }));

@@ -21,6 +21,7 @@ namespace {
 
 using synthetic::make_job;
 using synthetic::make_records;
+using synthetic::pixels_of;
 using synthetic::Scene;
 
 // Every value of every column, floats as their bits.
@@ -85,6 +86,8 @@ void expect_round_trip(const Job& job, const Coverage& coverage, const Records& 
 std::vector<Job> jobs_of_each_form() {
     std::vector<Job> jobs;
     jobs.push_back(make_job(RecordKind::kXyz));
+    jobs.push_back(make_job(RecordKind::kXyz));
+    jobs.back().positions = pixels_of(48, 32);
     jobs.push_back(make_job(RecordKind::kXyz));
     jobs.back().positions = {};
     jobs.back().extra = {{"light_group", ColumnType::kU8}, {"material", ColumnType::kU16}, {"object", ColumnType::kU32},
@@ -156,8 +159,8 @@ TEST(Run, ForeignBitsSurvive) {
 TEST(Run, ExtremePositionsAndSampleNumbersSurvive) {
     Job job = make_job(RecordKind::kXyz);
     const std::uint64_t top = ~std::uint64_t{0};
-    for (const bool sampler : {false, true}) {
-        if (!sampler) job.positions = {};
+    for (const PositionSamplerSpec& positions : {job.positions, pixels_of(48, 32), PositionSamplerSpec{}}) {
+        job.positions = positions;
         for (const SampleRange range :
              {SampleRange{top - 3000, top}, SampleRange{(std::uint64_t{1} << 32) - 1500, (std::uint64_t{1} << 32) + 1500},
               SampleRange{std::uint64_t{1} << 63, (std::uint64_t{1} << 63) + 3000}}) {
@@ -347,9 +350,7 @@ TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {
                 const auto rows = [&](bool is_wanted, const auto& column, const auto& of_all) {
                     expect(is_wanted, column, of_all, info.record_count);
                 };
-                // Positions that are left out are made from the sample numbers.
-                const bool derived = info.record_class == RecordClass::kCamera && job.positions.sampler != PositionSampler::kNone;
-                rows(columns.samples || (derived && columns.positions), some.sample, all.sample);
+                rows(columns.samples, some.sample, all.sample);
                 rows(columns.positions, some.u, all.u), rows(columns.positions, some.v, all.v);
                 rows(columns.share, some.share, all.share);
                 rows(columns.values, some.x, all.x), rows(columns.values, some.y, all.y), rows(columns.values, some.z, all.z);

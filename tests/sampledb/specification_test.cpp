@@ -15,6 +15,7 @@
 #include "sampledb/codec/planes.h"
 #include "sampledb/codec/rounding.h"
 #include "sampledb/codec/run_codec.h"
+#include "sampledb/data/pixel_places.h"
 #include "sampledb/data/z_order.h"
 #include "sampledb/read/selection.h"
 #include "tests/faults/process.h"
@@ -250,15 +251,55 @@ void check_halton(const Vector& vector) {
         EXPECT_EQ(halton23(u64(row.at(0), 10), plain), (FilmPosition{u32(row.at(1), 16), u32(row.at(2), 16)}));
 }
 
-void check_halton_points(const Vector& vector) {
+constexpr PositionSamplerSpec kPixels{PositionSampler::kPixels, 0x12345678, 0x9ABCDEF0, 0, 0};
+PositionSamplerSpec pixels_of(PositionSamplerSpec spec, std::uint32_t width, std::uint32_t height) {
+    spec.width = width, spec.height = height;
+    return spec;
+}
+
+void check_pixel_steps(const Vector& vector) {
+    for (const auto& row : vector.rows) {
+        const std::uint64_t width = u64(row.at(0), 10), height = u64(row.at(1), 10);
+        const PixelLattice lattice(pixels_of(kPixels, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
+        const auto [x, y, pass] = lattice.place(1);
+        const std::uint64_t pixels = width * height, next = 1 % pixels;
+        EXPECT_EQ(y * width + x, u64(row.at(2), 10) % pixels);
+        EXPECT_EQ(lattice.sample({static_cast<std::uint32_t>(next % width), static_cast<std::uint32_t>(next / width), 0}),
+                  u64(row.at(3), 10));
+    }
+}
+
+void check_pixels(const Vector& vector) {
+    for (const auto& row : vector.rows)
+        EXPECT_EQ(position_of(u64(row.at(2), 10), pixels_of(kPixels, u32(row.at(0), 10), u32(row.at(1), 10))),
+                  (FilmPosition{u32(row.at(3), 16), u32(row.at(4), 16)}));
+}
+
+void check_pixels_transform(const Vector& vector) {
+    const auto size = vector.decimal<std::uint32_t>("W H"), node = vector.decimal<std::uint32_t>("level x y");
+    const auto expected = vector.hex<std::uint64_t>("values");
+    const auto bits = vector.one<unsigned>("bits");
+    std::vector<std::uint64_t> numbers(expected.size()), values(expected.size());
+    unpack_bits(vector.bytes("plane 0"), bits, numbers);
+    PixelPlaces(pixels_of(kPixels, size.at(0), size.at(1)), {static_cast<std::uint8_t>(node.at(0)), node.at(1), node.at(2)},
+                vector.one<std::uint64_t>("base", 16))
+        .samples(numbers, values);
+    EXPECT_EQ(values, expected);
+}
+
+void check_points(const Vector& vector) {
     const auto shifts = vector.hex<std::uint32_t>("shifts");
-    const PositionSamplerSpec shifted{PositionSampler::kHalton23, shifts.at(0), shifts.at(1)};
+    PositionSamplerSpec spec{PositionSampler::kHalton23, shifts.at(0), shifts.at(1)};
+    if (vector.fields.count("W H") > 0) {
+        const auto size = vector.decimal<std::uint32_t>("W H");
+        spec = {PositionSampler::kPixels, shifts.at(0), shifts.at(1), size.at(0), size.at(1)};
+    }
     Bytes points;
     ByteWriter out(points);
     for (std::size_t part = 0; part < vector.fields.at("first").size(); ++part) {
         for (std::uint64_t i = 0; i < vector.decimal<std::uint64_t>("count").at(part); ++i) {
             const std::uint64_t step = vector.hex<std::uint64_t>("step").at(part);
-            const FilmPosition at = halton23(vector.decimal<std::uint64_t>("first").at(part) + i * step, shifted);
+            const FilmPosition at = position_of(vector.decimal<std::uint64_t>("first").at(part) + i * step, spec);
             out.put(at.u);
             out.put(at.v);
         }
@@ -347,7 +388,11 @@ const std::map<std::string, std::function<void(const Vector&)>> kChecks = {
     {"sparse", check_sparse},
     {"codec", check_codec},
     {"halton23", check_halton},
-    {"halton23-points", check_halton_points},
+    {"halton23-points", check_points},
+    {"pixel-steps", check_pixel_steps},
+    {"pixels", check_pixels},
+    {"pixels-points", check_points},
+    {"pixels-transform", check_pixels_transform},
     {"wavelengths", check_wavelengths},
     {"wavelength-batches", check_wavelength_batches},
     {"rounding", check_rounding},

@@ -8,7 +8,9 @@ KIND is smallest (two records, in as few bytes as possible), xyz, spectral (wave
 data). --precision rounds values. The simplest encoding of every column is used; with --vary, any that the page allows, chosen at random. --parts writes only these runs of the file. --records writes the
 records as well, one JSON object a line, values as their bits, in the order of the file."""
 import argparse
+import functools
 import json
+import math
 import random
 import struct
 from dataclasses import dataclass, field
@@ -30,6 +32,7 @@ class Job:
     k: int = 0
     knots: list = field(default_factory=list)  # (cumulative, wavelength)
     halton: bool = False
+    pixels: tuple = ()  # width and height, instead of Halton's positions
     shifts: tuple = (0, 0)
     light_paths: int = 0
     light_unit: float = 1.0
@@ -64,18 +67,20 @@ def padded(data):
 
 
 def encode_header(job, provenance=b""):
-    body = struct.pack("<QQIIBBHIdQIIIIII", *job.id, *job.aspect, job.kind, job.halton, job.k, job.light_paths, job.light_unit,
+    body = struct.pack("<QQIIBBHIdQIIIIII", *job.id, *job.aspect, job.kind, 2 if job.pixels else job.halton, job.k, job.light_paths, job.light_unit,
                        job.run_bytes, job.run_samples, *job.shifts, len(job.knots), len(job.extra), len(provenance))
     body += b"".join(struct.pack("<QI", *knot) for knot in job.knots)
     for name, kind in job.extra:
         body += bytes([TYPE[kind], len(name.encode())]) + name.encode()
     body += provenance
-    with_precision = job.precision < 23
-    if with_precision:
+    minor = 2 if job.pixels else job.precision < 23
+    if minor >= 1:
         body += bytes([job.precision])
-    features = with_precision | 2 | (4 if len(job.extra) > 16 else 0)
+    if minor >= 2:
+        body += struct.pack("<II", *job.pixels)
+    features = (job.precision < 23) | 2 | (4 if len(job.extra) > 16 else 0) | (8 if job.pixels else 0)
     rest = padded(bytes(64) + body)[64:]
-    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, with_precision, 64 + len(rest), features, len(body), hash64(rest))
+    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, minor, 64 + len(rest), features, len(body), hash64(rest))
     return 2 * (front + struct.pack("<Q", hash64(front)) + rest)
 
 
@@ -128,6 +133,34 @@ def halton23(n, shifts):
     for _ in range(40):
         d, rest = 3 * d + rest % 3, rest // 3
     return (r2 + shifts[0]) & M32, ((d << 32) // 3**40 + shifts[1]) & M32
+
+
+@functools.cache
+def pixel_step(w, h):
+    step = (3242174889 * h + 2**31 >> 32) * w + (2447445414 * w + 2**31 >> 32)
+    return next(g for g in range(step, step + w * h) if math.gcd(g, w * h) == 1)
+
+
+def pixel_place(job, n):
+    w, h = job.pixels
+    p, r = n // (w * h), n % (w * h)
+    q = r * pixel_step(w, h) % (w * h)
+    return q % w, q // w, p
+
+
+def pixel_point(job, n):
+    (w, h), (x, y, p) = job.pixels, pixel_place(job, n)
+    key = job.shifts[1] * 2**32 + job.shifts[0] + (y * 2**32 + x) * 0x9E3779B97F4A7C15
+    s = mixed(key & M64, 64, [(30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)])
+    s ^= s >> 31
+    bits = [p >> i & 1 for i in range(32)]
+    a = sum(bit << 31 - i for i, bit in enumerate(bits))
+    b = sum(sum(bits[i] for i in range(32) if i & j == j) % 2 << 31 - j for j in range(32))
+    return (x * 2**32 + max(a ^ s % 2**32, w - 1)) // w, (y * 2**32 + max(b ^ s >> 32, h - 1)) // h
+
+
+def position(job, n):
+    return pixel_point(job, n) if job.pixels else halton23(n, job.shifts)
 
 
 def float_bits(x):
@@ -213,6 +246,17 @@ def as_lattice(values, s, bits, base):
     steps = [reverse(value % 2**s, s) - reverse(low, s) & 2**s - 1 for value in values]
     assert all(value >> s == high for value in values) and all(step < 2**bits for step in steps)
     return (2, bits, s, base, [packed(steps, bits)] if bits else [])
+
+
+def as_pixels(job, values, square):
+    level, *at = square
+    starts = [x * size // 2**level for x, size in zip(at, job.pixels)]
+    w, h = [-(-(x + 1) * size // 2**level) - start for x, size, start in zip(at, job.pixels, starts)]
+    places = [pixel_place(job, value) for value in values]
+    base = min(p for _, _, p in places)
+    numbers = [((p - base) * h + y - starts[1]) * w + x - starts[0] for x, y, p in places]
+    bits = max(numbers).bit_length()
+    return (12, bits, 0, base, [packed(numbers, bits)] if bits else [])
 
 
 AS_SAMPLER = (3, 0, 0, 0, [])
@@ -361,9 +405,10 @@ def encode_columns(job, light, rows, choice):
         columns.append((number, width, values, encoding))
 
     samples = [r.sample for r in rows]
-    columns.append((1, 8, samples, choice.one_of(sample_encodings(samples))))
     positions = [(r.u, r.v) for r in rows]
-    derived = job.halton and all(halton23(r.sample, job.shifts) == (r.u, r.v) for r in rows)
+    derived = (job.halton or job.pixels) and all(position(job, r.sample) == (r.u, r.v) for r in rows)
+    by_pixels = [as_pixels(job, samples, smallest_square(*zip(*positions)))] if derived and job.pixels and not light else []
+    columns.append((1, 8, samples, choice.one_of(sample_encodings(samples) + by_pixels)))
     if derived and choice.one_of([as_planes([r.u for r in rows], 4), AS_SAMPLER]) == AS_SAMPLER:
         columns += [(2 + i, 4, [p[i] for p in positions], AS_SAMPLER) for i in (0, 1)]
     else:
@@ -512,7 +557,7 @@ def make_records(job, intervals, r, fill):
         for n in range(first, end):
             if r.random() < 0.02:
                 continue  # a sample may be without records
-            u, v = halton23(n, job.shifts) if job.halton else (r.getrandbits(32), r.getrandbits(32))
+            u, v = position(job, n) if job.halton or job.pixels else (r.getrandbits(32), r.getrandbits(32))
             shares = [0.5, 0.5] if r.random() < 0.01 else [1.0]
             records += [Record(n, u, v, share=float_bits(share)) for share in shares]
             if job.light_paths and r.random() < 0.1:
@@ -540,7 +585,7 @@ def xyz():
 def spectral():
     r = random.Random(3)
     knots = [(i * 2**48 // 47, (360 + 10 * i) << 20) for i in range(48)]
-    job = Job(job_id("spectral"), SPECTRAL, k=28, knots=knots, halton=True, light_paths=1, light_unit=683.0)
+    job = Job(job_id("spectral"), SPECTRAL, k=28, knots=knots, pixels=(90, 60), shifts=(0x12345678, 0x9ABCDEF0), light_paths=1, light_unit=683.0)
 
     def fill(record):
         record.xi = r.getrandbits(32)

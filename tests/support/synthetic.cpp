@@ -67,7 +67,7 @@ class Emitter {
     void sample(std::uint64_t n) {
         Random random(scene_.seed * 0x632BE59BD9B4E019u ^ n);
         FilmPosition at{static_cast<std::uint32_t>(random.bits()), static_cast<std::uint32_t>(random.bits())};
-        if (job_.positions.sampler == PositionSampler::kHalton23) at = halton23(n, job_.positions);
+        if (job_.positions.sampler != PositionSampler::kNone) at = position_of(n, job_.positions);
         xi_ = static_cast<std::uint32_t>(random.bits());
         const bool black = random.uniform() < scene_.black;
         const int records = scene_.split_shares && n % 4 == 0 ? 2 : 1;
@@ -151,6 +151,10 @@ Job make_job(RecordKind kind, std::uint64_t id) {
     job.run_samples = 1u << 14;
     job.positions = {PositionSampler::kHalton23, 0x12345678, 0x9ABCDEF0};
     return job;
+}
+
+PositionSamplerSpec pixels_of(std::uint32_t width, std::uint32_t height) {
+    return {PositionSampler::kPixels, 0x12345678, 0x9ABCDEF0, width, height};
 }
 
 Job make_short_job(RecordKind kind, std::uint64_t id) {

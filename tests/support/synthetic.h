@@ -20,6 +20,9 @@ namespace latent::synthetic {
 // density like the eye's. `id` tells jobs apart. Change what a test needs.
 sampledb::Job make_job(sampledb::RecordKind kind, std::uint64_t id = 1);
 
+// Positions by pixels, instead of make_job's Halton.
+sampledb::PositionSamplerSpec pixels_of(std::uint32_t width, std::uint32_t height);
+
 // The same with short runs, so that small files have several.
 inline constexpr std::uint64_t kShortRun = 4096;
 sampledb::Job make_short_job(sampledb::RecordKind kind = sampledb::RecordKind::kXyz, std::uint64_t id = 1);

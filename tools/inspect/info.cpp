@@ -222,6 +222,18 @@ std::vector<std::string> FileInfo::remarks() const {
     return remarks;
 }
 
+std::string positions_in_words(const PositionSamplerSpec& positions) {
+    switch (positions.sampler) {
+        case PositionSampler::kNone:
+            return "stored with each record";
+        case PositionSampler::kHalton23:
+            return "Halton (2, 3), derived where they agree";
+        case PositionSampler::kPixels:
+            break;
+    }
+    return fmt::format("by pixels of {} x {}, derived where they agree", positions.width, positions.height);
+}
+
 std::string to_text(const FileInfo& info) {
     const Job& job = info.contents.header.job;
     const std::uint64_t records = info.camera_records + info.light_records;
@@ -237,8 +249,7 @@ std::string to_text(const FileInfo& info) {
     }
     line("precision",
          job.precision == kFullPrecision ? "values not rounded" : fmt::format("values rounded to {} mantissa bits", job.precision));
-    line("positions",
-         job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
+    line("positions", positions_in_words(job.positions));
     for (const ExtraColumnSpec& column : job.extra) line("column", printable_line(column.name));
     if (const std::vector<NamedLights> groups = light_groups_of(info.contents); !groups.empty()) {
         std::string all, replaceable;

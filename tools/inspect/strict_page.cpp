@@ -33,6 +33,10 @@ int window_log(ByteSpan frame) {
     return static_cast<int>(10 + (byte(5) >> 3) + ((byte(5) & 7) != 0 ? 1 : 0));
 }
 
+bool is_packed(Transform transform) {
+    return transform == Transform::kPacked || transform == Transform::kLattice || transform == Transform::kPixels;
+}
+
 class PageCheck {
  public:
     PageCheck(const Job& job, const PageInfo& info, ByteSpan stored, std::size_t run, std::size_t number, Violations& violations)
@@ -52,16 +56,16 @@ class PageCheck {
 
  private:
     void check_fields(const ColumnEntry& entry) {
-        const bool packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
+        const bool packed = is_packed(entry.transform);
         const bool stepped = entry.transform >= Transform::kSteppedCross && entry.transform <= Transform::kPackedDelta2;
         if (!packed && !stepped && entry.bits != 0)
-            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1, 2 or 8 to 11");
+            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1, 2 or 8 to 12");
         if (stepped && (job_.precision == kFullPrecision || entry.bits != kFullPrecision - job_.precision))
             wrong(entry, "", fmt::format("transform {} with {} bits", static_cast<int>(entry.transform), entry.bits),
                   fmt::format("none of transforms 8 to 11 with a precision of 23 bits, else 23 less the precision, which is {}",
                               job_.precision));
         if (!packed && entry.base != 0)
-            wrong(entry, "", fmt::format("base is {:#x}", entry.base), "0, unless the transform is 1 or 2");
+            wrong(entry, "", fmt::format("base is {:#x}", entry.base), "0, unless the transform is 1, 2 or 12");
         if (entry.transform != Transform::kLattice && entry.lattice_bits != 0)
             wrong(entry, "", fmt::format("s is {}", entry.lattice_bits), "0, unless the transform is 2");
         const std::size_t width = columns_[number_of(entry)].decoded / std::max<std::size_t>(values_of(entry.column), 1);
@@ -97,8 +101,7 @@ class PageCheck {
                 wrong(entry, place, fmt::format("its zstd frame needs a window of up to 2^{} bytes", window_log(stored)),
                       fmt::format("2^{} at most", kMaxWindowLog));
             }
-            const bool is_packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
-            if (!is_packed) continue;
+            if (!is_packed(entry.transform)) continue;
             const Result<ByteSpan> bytes = planes_.decode(plane, stored, size, scratch_);
             if (!bytes) return bytes.error();
             if (!padding_is_zero(*bytes, values_of(entry.column), entry.bits))
@@ -176,6 +179,7 @@ class PageCheck {
         switch (entry.transform) {
             case Transform::kPacked:
             case Transform::kLattice:
+            case Transform::kPixels:
                 return packed_size(values, entry.bits);
             case Transform::kPackedDelta2:
                 return packed_[plane].size();

@@ -66,7 +66,7 @@ class Painter {
     Painter(const SyntheticScene& scene, const Job& job, Records& records) : scene_(scene), job_(job), records_(records) {}
 
     void camera(std::uint64_t n) {
-        const FilmPosition at = scene_.random_positions ? random_position(n, 1) : halton23(n, job_.positions);
+        const FilmPosition at = scene_.random_positions ? random_position(n, 1) : position_of(n, job_.positions);
         const bool single = scene_.single_wavelengths > 0 && unit(mix(scene_.seed, n, 2)) < scene_.single_wavelengths;
         add(n, RecordClass::kCamera, at, 1.0f, 3, single);
     }

@@ -13,7 +13,7 @@ class Job:
         (*self.id, width, height, self.kind, self.sampler, self.k, self.light_paths) = fields("QQIIBBHI", body, 0)
         (unit, run_bytes, run_samples, *self.shifts, knots, extra, provenance) = fields("dQIIIIII", body, 32)
         check(width > 0 and height > 0 and math.gcd(width, height) == 1, "aspect")
-        check(self.kind in (1, 2) and self.sampler in (0, 1), "kind or sampler")
+        check(self.kind in (1, 2) and self.sampler in (0, 1, 2), "kind or sampler")
         check((1 <= self.k <= 1024) if self.kind == 1 else self.k == 0, "k")
         check(0 < unit < float("inf") and 2**16 <= run_bytes <= 2**30, "light unit or R")
         check(run_samples in [2**i for i in range(10, 23)], "S")
@@ -41,7 +41,12 @@ class Job:
             (self.precision,) = fields("B", body, at)
             at += 1
         check(1 <= self.precision <= 23, "precision")
-        check(at == len(body) or minor > 1, "the header's fields do not fill it")
+        self.pixels = (0, 0)
+        if minor >= 2:
+            self.pixels = fields("II", body, at)
+            at += 8
+        check(all(1 <= side <= 2**20 for side in self.pixels) if self.sampler == 2 else self.pixels == (0, 0), "pixels")
+        check(at == len(body) or minor > 2, "the header's fields do not fill it")
 
     def columns(self, camera):
         """(number, width) of each column of a page, in order."""
@@ -67,12 +72,12 @@ def read_header(data):
         (major, minor, size, features, body_size, body_hash) = fields("HHIQQQ", data, at + 8)
         if hash64(data[at : at + 56]) != fields("Q", data, at + 56)[0] or (at != 0 and at != size):
             continue
-        check(major == 1 and features < 8, "another format")
+        check(major == 1 and features < 16, "another format")
         check(size % 4096 == 0 and 0 < size <= 2**20 and body_size <= size - 64, "size of the header")
         if hash64(data[at + 64 : at + size]) == body_hash:
             rule(not any(data[at + 40 : at + 56]), "reserved bytes of the header")
             check(not any(data[at + 64 + body_size : at + size]), "zeros of the header")
             job = Job(data[at + 64 : at + 64 + body_size], minor)
-            check(features & 5 == (job.precision < 23) + 4 * (len(job.extra) > 16), "features")
+            check(features & 13 == (job.precision < 23) + 4 * (len(job.extra) > 16) + 8 * (job.sampler == 2), "features")
             return job, 2 * size, data[:size] == data[size : 2 * size]
     raise ValueError("no header")

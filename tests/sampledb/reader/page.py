@@ -3,7 +3,7 @@ import struct
 
 from native import hash64
 
-from .derived import halton, is_rounded
+from .derived import Pixels, halton, is_rounded
 from .planes import (decode_plane, from_cross, from_delta2, from_lattice, from_packed, from_packed_delta2, from_planes, from_sparse,
                      stored_rows)
 from .rules import check, fields, rule
@@ -14,7 +14,7 @@ def check_column(number, width, values, column_hash):
     check(hash64(decoded) == column_hash, "column %d does not decode to its hash" % number)
 
 
-def decode_page(job, data, camera, records, pair_count, content_hash):
+def decode_page(job, data, square, camera, records, pair_count, content_hash):
     """Column number -> its values."""
     (count,) = fields("I", data, 0)
     expected = job.columns(camera)
@@ -23,11 +23,12 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, width in expected:
         (column, transform, bits, plane_count, s, base, column_hash) = fields("BBBBIQQ", data, at)
         check(column == number, "column %d instead of %d" % (column, number))
-        check(transform <= 11 and bits <= 64 and plane_count <= 8 and s <= 32, "table of columns")
+        check(transform <= 12 and bits <= 64 and plane_count <= 8 and s <= 32, "table of columns")
         stepped = transform in (8, 9, 10, 11)
-        rule(transform in (1, 2) or base == 0, "base of the table")
+        packed = transform in (1, 2, 12)
+        rule(packed or base == 0, "base of the table")
         check(not stepped or 1 <= bits <= 22, "bits of a stepped transform")
-        rule(bits == 23 - job.precision if stepped else transform in (1, 2) or bits == 0, "bits of the table")
+        rule(bits == 23 - job.precision if stepped else packed or bits == 0, "bits of the table")
         check(transform != 2 or s >= 1, "s of the table")
         rule(transform == 2 or s == 0, "s of the table")
         words = fields("%dI" % plane_count, data, at + 24)
@@ -46,8 +47,10 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     columns = {}
     order = sorted(table, key=lambda t: (t[0] != 1, t[0] != 6))  # samples before positions, y before x and z
     rows = None
+    pixels = Pixels(job.pixels, job.shifts) if job.sampler == 2 else None
     for number, width, transform, bits, s, base, column_hash, words in order:
-        allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7, 8, 10), 6: (0, 1, 6), 7: (0, 1, 4, 7, 8, 10), 11: (0, 1, 5, 9, 11),
+        packed = transform in (1, 2, 12)
+        allowed = {1: (1, 2, 12), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7, 8, 10), 6: (0, 1, 6), 7: (0, 1, 4, 7, 8, 10), 11: (0, 1, 5, 9, 11),
                    12: (0, 1, 5, 9, 11)}
         check(transform in allowed.get(number, (0, 1)), "transform %d of column %d" % (transform, number))
         check(number == 1 or transform != 1 or bits == 0, "packed column %d" % number)
@@ -57,7 +60,7 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
         if transform == 6:
             rows = stored_rows(planes[0], records)
         check(transform not in (7, 10) or rows, "a sparse column beside a y that is not")
-        size = (n * bits + 7) // 8 if transform in (1, 2) else len(rows) if transform in (6, 7, 10) else n
+        size = (n * bits + 7) // 8 if packed else len(rows) if transform in (6, 7, 10) else n
         if transform == 11 and n > 0:
             check(len(words) == 7, "number of planes")
             values = from_packed_delta2(lambda i, size: decode_plane(*stored[number][i], size), columns[8], job.k, bits)
@@ -66,11 +69,16 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
             columns[number] = values
             continue
         planes = [decode_plane(*plane, size) for plane in stored[number][len(planes) :]]
-        check(len(planes) == (bits > 0 if transform in (1, 2) else 0 if transform == 3 or n == 0 else width), "number of planes")
+        check(len(planes) == (bits > 0 if packed else 0 if transform == 3 or n == 0 else width), "number of planes")
         if transform == 3:
-            check(job.sampler == 1 and (table[1][2], table[2][2]) == (3, 3), "positions left out")
+            check(job.sampler in (1, 2) and (table[1][2], table[2][2]) == (3, 3), "positions left out")
             rule(camera, "positions left out of a light page")
-            values = [halton(sample, job.shifts)[number - 2] for sample in columns[1]]
+            point = (lambda n: pixels.point(*pixels.place(n))) if pixels else (lambda n: halton(n, job.shifts))
+            values = [point(sample)[number - 2] for sample in columns[1]]
+        elif transform == 12:
+            check(pixels, "samples by pixels in a job without them")
+            numbers = from_packed(planes[0], bits, 0, n) if bits else [0] * n
+            values = [pixels.sample(*place) for place in pixels.unpacked(numbers, base, square)]
         elif n == 0:
             check(transform == 0, "a column without values")
             values = []

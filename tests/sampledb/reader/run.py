@@ -76,7 +76,7 @@ def read_run(job, data, at):
         page = data[page_at : page_at + stored]
         page_at += stored
         check(hash64(page) == stored_hash, "page hash")
-        columns = decode_page(job, page, kind == 0, records, page_pairs, page_hash)
+        columns = decode_page(job, page, (level, x, y), kind == 0, records, page_pairs, page_hash)
         check(sum((page_pairs if c in (11, 12) else records) * w for c, w in job.columns(kind == 0)) == decoded, "decoded size")
         check(all((u >> 32 - level, v >> 32 - level) == (x, y) for u, v in zip(columns[2], columns[3])), "a record outside its square")
         rule((level, x, y) == smallest_square(columns[2], columns[3]), "not the smallest square of the page's records")
