@@ -142,11 +142,14 @@ ChosenLight LightSet::choose_by_place(Uniform u, const Vec3f& p, const LightSamp
     if (infinite_table_.size() == 0) return tree_.choose(u, p, context);
     const bool lit = tree_.reaches(p, context);
     if (lit && u.index(2) == 0) {
-        const ChosenLight chosen = tree_.choose(u.within(2), p, context);
-        return {chosen.light, 0.5f * chosen.probability};
+        ChosenLight chosen = tree_.choose(u.within(2), p, context);
+        chosen.probability *= 0.5f;
+        return chosen;
     }
-    const std::uint32_t i = infinite_table_.sample(lit ? u.within(2) : u);
-    return {i, (lit ? 0.5f : 1) * infinite_table_.probability(i)};
+    ChosenLight chosen;
+    chosen.light = infinite_table_.sample(lit ? u.within(2) : u, chosen.rest);
+    chosen.probability = (lit ? 0.5f : 1) * infinite_table_.probability(chosen.light);
+    return chosen;
 }
 
 float LightSet::probability_by_place(std::uint32_t i, const Vec3f& p, const LightSampleContext& context) const {

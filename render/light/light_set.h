@@ -29,7 +29,12 @@ class LightSet {
 
     // For light that goes anywhere: lights are chosen by their power, weighed by wavelength as 0.9 p_eye + 0.1 uniform, so that no
     // light is never chosen; infinite lights have half of the choices where there are others too.
-    std::uint32_t choose(Uniform u) const { return table_.sample(u); }
+    ChosenLight choose(Uniform u) const {
+        ChosenLight chosen;
+        chosen.light = table_.sample(u, chosen.rest);
+        chosen.probability = table_.probability(chosen.light);
+        return chosen;
+    }
     float probability(std::uint32_t i) const { return table_.probability(i); }
 
     // For point p. Where there is a tree, lights that are not infinite are chosen by it; infinite ones have half of the choices, or
@@ -37,9 +42,7 @@ class LightSet {
     // triangles. They choose as above.
     bool has_tree() const { return !tree_.is_empty(); }
     ChosenLight choose(Uniform u, const Vec3f& p, const LightSampleContext& context) const {
-        if (has_tree()) return choose_by_place(u, p, context);
-        const std::uint32_t i = choose(u);
-        return {i, probability(i)};
+        return has_tree() ? choose_by_place(u, p, context) : choose(u);
     }
     float probability(std::uint32_t i, const Vec3f& p, const LightSampleContext& context) const {
         return has_tree() ? probability_by_place(i, p, context) : probability(i);

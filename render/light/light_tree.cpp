@@ -189,7 +189,7 @@ ChosenLight LightTree::choose(Uniform u, const Vec3f& p, const LightSampleContex
         probability *= part / sum;
         next = pairs_[next].next[second];
     }
-    return {next & ~kLeaf, static_cast<float>(probability)};
+    return {next & ~kLeaf, static_cast<float>(probability), {static_cast<std::uint64_t>(rest * 0x1p53) << 11}};
 }
 
 float LightTree::probability(std::uint32_t i, const Vec3f& p, const LightSampleContext& context) const {

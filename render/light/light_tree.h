@@ -12,10 +12,11 @@
 
 namespace latent::render {
 
-// A light that was chosen, and with which probability; 0: none can shine there.
+// A light that was chosen, and with which probability; 0: none can shine there. `rest`: what the choice leaves of its number.
 struct ChosenLight {
     std::uint32_t light = 0;
     float probability = 0;
+    Uniform rest{};
 };
 
 // A binary tree of bounds. From the root on, a half is chosen by its importance: a bound on the light that it sends to the point,

@@ -130,6 +130,11 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_count(app, "--precision", line.settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
     cli::add_count(app, "--seed", line.settings.seed, "random seed; each seed is a separate job with independent samples");
+    using sampledb::PositionSampler;
+    cli::add_choice<PositionSampler>(
+        app, "--sampler", line.settings.sampler, {{"pixels", PositionSampler::kPixels}, {"halton", PositionSampler::kHalton23}},
+        "how samples are spread: evenly in each pixel of --resolution, with the least noise at that size, or over the film by a "
+        "Halton sequence, whatever the size");
     cli::add_count(app, "--run-samples", line.settings.run_samples,
                    "samples per run, the unit of storage; a power of two (default: runs of about 64 MiB)", 1024u, 4194304u);
     cli::add_duration(app, "--checkpoint", line.options.checkpoint_seconds, "interval at which finished work is committed to disk")

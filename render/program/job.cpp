@@ -30,8 +30,9 @@ std::uint64_t bytes_per_sample(const IntegratorSettings& settings, bool splits_w
 }
 
 // Shifts of the film positions: none for seed 0.
-sampledb::PositionSamplerSpec positions_of(std::uint64_t seed) {
-    sampledb::PositionSamplerSpec spec{sampledb::PositionSampler::kHalton23, 0, 0};
+sampledb::PositionSamplerSpec positions_of(sampledb::PositionSampler sampler, std::uint64_t seed, const Resolution& pixels) {
+    sampledb::PositionSamplerSpec spec{sampler};
+    if (sampler == sampledb::PositionSampler::kPixels) spec.width = pixels.width, spec.height = pixels.height;
     if (seed == 0) return spec;
     std::byte bytes[8];
     store_le(bytes, seed);
@@ -48,9 +49,9 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
     out.max_depth = settings.max_depth.value_or(scene.max_depth);
     out.batch = settings.wavelengths;
     out.record = settings.record;
-    out.positions = positions_of(settings.seed);
-    out.seed = settings.seed;
     const Resolution pixels = settings.resolution.value_or(Resolution{scene.film.width, scene.film.height});
+    out.positions = positions_of(settings.sampler, settings.seed, pixels);
+    out.seed = settings.seed;
     out.aovs = settings.aovs;
     out.textures = {settings.texture_cache, pixels.width, pixels.height};
     return out;
@@ -77,8 +78,8 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
           static_cast<std::uint64_t>(settings.kind),
           settings.kind == IntegratorKind::kBdpt ? static_cast<std::uint64_t>(settings.connections) : 0,
           std::uint64_t{settings.max_depth}, settings.seed, static_cast<std::uint64_t>(job.positions.sampler),
-          static_cast<std::uint64_t>(job.kind), std::uint64_t{settings.batch}, std::uint64_t{job.precision},
-          std::uint64_t{job.run_samples}, job.run_bytes}) {
+          std::uint64_t{job.positions.width}, std::uint64_t{job.positions.height}, static_cast<std::uint64_t>(job.kind),
+          std::uint64_t{settings.batch}, std::uint64_t{job.precision}, std::uint64_t{job.run_samples}, job.run_bytes}) {
         writer.put(field);
     }
     if (settings.light_groups.any()) writer.put(std::uint64_t{settings.light_groups.count});

@@ -17,7 +17,7 @@
 namespace latent::render {
 
 // Raised by every change of the code that changes the value of a record: files of different epochs are different jobs.
-inline constexpr std::uint32_t kRenderEpoch = 12;
+inline constexpr std::uint32_t kRenderEpoch = 13;
 
 struct Resolution {
     std::uint32_t width, height;
@@ -42,6 +42,7 @@ struct RenderSettings {
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
     std::uint32_t wavelengths = 28;
     std::uint64_t seed = 0;
+    sampledb::PositionSampler sampler = sampledb::PositionSampler::kPixels;
     std::uint32_t precision = 9;      // mantissa bits of stored values; docs/format.md, "Rounding", says why
     std::uint32_t run_samples = 0;    // 0: such that a run is near 64 MiB
     std::uint64_t texture_cache = 0;  // TextureSettings::cache_bytes

@@ -175,6 +175,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings, std
     out["record"] = integrator.record == sampledb::RecordKind::kXyz ? "xyz" : "spectral";
     out["wavelengths"] = integrator.batch;
     if (settings.rgb_spectra == color::RgbSpectra::kBasis) out["rgb_spectra"] = "basis";
+    out["sampler"] = settings.sampler == sampledb::PositionSampler::kPixels ? "pixels" : "halton";
     out["seed"] = integrator.seed;
     if (settings.samples || !settings.more_than.empty()) out["samples"] = {job.all.first, job.all.end};
     if (!settings.samples) out["spp"] = settings.spp;

@@ -6,7 +6,6 @@
 namespace latent::render {
 
 AliasTable::AliasTable(const std::vector<double>& weight) : slots_(weight.size()) {
-    constexpr std::uint64_t kWhole = std::uint64_t{1} << 32;
     const double mean = std::accumulate(weight.begin(), weight.end(), 0.0) / static_cast<double>(weight.size());
     std::vector<double> filled(weight.size());
     std::vector<std::uint32_t> small, large;

@@ -15,15 +15,27 @@ class AliasTable {
     AliasTable() = default;
     // Fewer than 2^32 weights, not negative, their sum positive.
     explicit AliasTable(const std::vector<double>& weight);
-    std::uint32_t sample(Uniform u) const {
+    // `rest`: where in its part the number lies, with 32 bits at least.
+    std::uint32_t sample(Uniform u, Uniform& rest) const {
         const auto n = static_cast<std::uint32_t>(slots_.size());
         const std::uint32_t i = u.index(n);
-        return u.within(n).fraction32() < slots_[i].keep ? i : slots_[i].other;
+        const Slot& slot = slots_[i];
+        rest = u.within(n);
+        if (slot.keep == 0) return slot.other;
+        const bool kept = rest.fraction32() < slot.keep;
+        const std::uint64_t before = kept ? 0 : std::uint64_t{slot.keep} << 32, part = kept ? slot.keep : kWhole - slot.keep;
+        rest.bits = (rest.bits - before) / part << 32;
+        return kept ? i : slot.other;
+    }
+    std::uint32_t sample(Uniform u) const {
+        Uniform rest;
+        return sample(u, rest);
     }
     float probability(std::uint32_t i) const { return slots_[i].probability; }
     std::size_t size() const { return slots_.size(); }
 
  private:
+    static constexpr std::uint64_t kWhole = std::uint64_t{1} << 32;
     struct Slot {
         std::uint32_t keep = 0;  // in units of 2^-32 of the slot; the rest goes to `other`: the slot itself if nothing does
         std::uint32_t other = 0;

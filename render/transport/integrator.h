@@ -25,7 +25,7 @@ struct IntegratorSettings {
     std::uint32_t max_depth = 5;                  // scattering vertices of a path; kUnlimited: no bound
     std::uint32_t batch = 28;                     // k, wavelengths of one sample
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
-    sampledb::PositionSamplerSpec positions{};  // where samples lie on the film: sampledb::halton23(n, positions)
+    sampledb::PositionSamplerSpec positions{};  // where samples lie on the film, which decides on the sampler
     std::uint64_t seed = 0;
     std::string simd = "sse4.2";  // for Geometry; no record depends on it
     TextureSettings textures{};

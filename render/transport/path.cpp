@@ -105,7 +105,7 @@ class Path {
     // sample_light, the balance heuristic makes f / (P p_E) into f / (q p + P p_E), and so f / (q p) there.
     void sample_point_light(const Medium& medium) {
         if (lights_.size() == 0) return;
-        const std::uint32_t i = lights_.choose(number_on(segment_, Dimension::kEquiangularLight));
+        const std::uint32_t i = lights_.choose(number_on(segment_, Dimension::kEquiangularLight)).light;
         const PointSource* source = lights_[i].point_source();
         if (source == nullptr) return;
         const Equiangular equiangular = equiangular_to(*source);
@@ -127,12 +127,12 @@ class Path {
     void sample_light(const Scattering& scattering) {
         if (lights_.size() == 0) return;  // media shine
         const LightSampleContext context = scattering.light_sample_context(-d_);
-        const ChosenLight chosen = lights_.choose(number(Dimension::kLight), at_.p, context);
+        const ChosenLight chosen = lights_.choose(number(Dimension::kLightU), at_.p, context);
         if (!(chosen.probability > 0)) return;
         const Light& light = lights_[chosen.light];
         if (is_left_to_scattering(light)) return;
         LightPoint point;
-        if (!light.sample_point(at_.p, context, number(Dimension::kLightU), number(Dimension::kLightV), point)) return;
+        if (!light.sample_point(at_.p, context, chosen.rest, number(Dimension::kLightV), point)) return;
         const Vec3f wo = -d_;
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi, true);
         if (!(scattering_pdf > 0)) return;

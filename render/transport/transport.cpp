@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "render/sampling/halton_sampler.h"
+#include "render/sampling/pixel_sampler.h"
+
 namespace latent::render {
 
 Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& settings)
@@ -11,7 +14,7 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       settings_(settings),
       density_(wavelength_density(world_->lights().spectra())),
       wavelengths_(density_, settings.batch),
-      sampler_(settings.seed, important_dimensions(*world_), shared_dimensions()),
+      sampler_(make_sampler(settings.positions, settings.seed, *world_)),
       records_(settings.record, settings_.light_groups, settings.aovs),
       aovs_(*world_, settings.aovs, settings.max_depth),
       of_thread_([this] { return OfThread{SampledSpectra(world_->library())}; }) {}
@@ -19,7 +22,7 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
     OfThread& of_thread = of_thread_.local();
     SampledSpectra& spectra = of_thread.spectra;
-    const SampleNumbers numbers(sampler_, n);
+    const SampleNumbers numbers(*sampler_, n);
     wavelengths_.draw(numbers(Dimension::kXi).fraction32(), spectra.wavelengths);
     spectra.start_sample();
     const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
@@ -30,7 +33,7 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     SampleRecords records(records_, state, camera, {out, faults});
     const TracedSample sample{state, camera, records};
 
-    const sampledb::FilmPosition at = sampledb::halton23(n, settings_.positions);
+    const sampledb::FilmPosition at = numbers.position();
     const Vec2d film{at.u * 0x1p-32, at.v * 0x1p-32};
     if (camera.splits_wavelengths()) {
         trace_split(sample, film);
@@ -87,16 +90,20 @@ void Transport::trace_split(const TracedSample& sample, Vec2d film) const {
     }
 }
 
-std::vector<Sampler::Sharing> shared_dimensions() {
+namespace {
+
+// The ray that a light subpath starts with, by the primes of points of lights that camera vertices draw: no path has both. What
+// most lights have is spread out best: directions.
+std::vector<HaltonSampler::Sharing> shared_dimensions() {
     using D = Dimension;
     const auto vertex = [](std::uint32_t v, std::uint32_t what) { return D::of_camera_vertex(v, what); };
     return {{D::kStartDirectionU, vertex(0, D::kLightU)},
             {D::kStartDirectionV, vertex(0, D::kLightV)},
             {D::kStartU, vertex(1, D::kLightU)},
-            {D::kStartV, vertex(1, D::kLightV)},
-            {D::kStartLight, vertex(0, D::kLight)}};
+            {D::kStartV, vertex(1, D::kLightV)}};
 }
 
+// The dimensions of one sample in the order in which they should be well spread, for the camera subpath of this world.
 std::vector<std::uint32_t> important_dimensions(const World& world) {
     using D = Dimension;
     std::vector<std::uint32_t> list;
@@ -110,14 +117,21 @@ std::vector<std::uint32_t> important_dimensions(const World& world) {
     }
     if (world.has_media()) vertex(0, {D::kDistance});
     vertex(0, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV});
-    if (world.lights().size() > 1) vertex(0, {D::kLight});
     list.push_back(D::kXi);
     if (world.has_dispersion()) list.push_back(D::kKeptWavelength);
     vertex(0, {D::kLobe});
     if (world.has_media()) vertex(1, {D::kDistance});
-    vertex(1, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV, D::kLobe, D::kLight, D::kSurvival});
+    vertex(1, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV, D::kLobe, D::kSurvival});
     if (world.has_media()) vertex(0, {D::kEquiangular});
     return list;
+}
+
+}  // namespace
+
+std::unique_ptr<const Sampler> make_sampler(const sampledb::PositionSamplerSpec& positions, std::uint64_t seed,
+                                            const World& world) {
+    if (positions.sampler == sampledb::PositionSampler::kPixels) return std::make_unique<PixelSampler>(positions, seed);
+    return std::make_unique<HaltonSampler>(positions, seed, important_dimensions(world), shared_dimensions());
 }
 
 }  // namespace latent::render

@@ -60,7 +60,7 @@ class Transport : public Integrator {
     IntegratorSettings settings_;
     sampledb::WavelengthDensity density_;
     WavelengthSampler wavelengths_;
-    Sampler sampler_;
+    std::unique_ptr<const Sampler> sampler_;
     RecordMaker records_;
     Aovs aovs_;
     struct OfThread {
@@ -70,10 +70,6 @@ class Transport : public Integrator {
     mutable tbb::enumerable_thread_specific<OfThread> of_thread_;
 };
 
-// The dimensions of one sample in the order in which they should be well spread, for the camera subpath of this world.
-std::vector<std::uint32_t> important_dimensions(const World& world);
-// The ray that a light subpath starts with, by the primes of points of lights that camera vertices draw: no path has both. What
-// most lights have is spread out best: directions.
-std::vector<Sampler::Sharing> shared_dimensions();
+std::unique_ptr<const Sampler> make_sampler(const sampledb::PositionSamplerSpec& positions, std::uint64_t seed, const World& world);
 
 }  // namespace latent::render

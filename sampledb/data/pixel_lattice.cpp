@@ -6,7 +6,6 @@
 
 #include "sampledb/data/pixel_position.h"
 
-
 namespace latent::sampledb {
 
 namespace {
@@ -42,16 +41,19 @@ PixelLattice::PixelLattice(const PositionSamplerSpec& spec)
     while (std::gcd(step, pixels_) != 1) ++step;
     step_ = step % pixels_;
     back_ = inverse(step_, pixels_);
+    first_ = key_ % pixels_;
 }
 
 PixelLattice::Place PixelLattice::place(std::uint64_t sample) const {
     const auto [pass, rest] = by_pixels_(sample);
-    const auto [y, x] = by_width_(by_pixels_.product(rest, step_));
+    const std::uint64_t pixel = by_pixels_.product(rest, step_) + first_;
+    const auto [y, x] = by_width_(pixel < pixels_ ? pixel : pixel - pixels_);
     return {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), pass};
 }
 
 std::uint64_t PixelLattice::sample(const Place& place) const {
-    return place.pass * pixels_ + by_pixels_.product(std::uint64_t{place.y} * width_ + place.x, back_);
+    const std::uint64_t pixel = std::uint64_t{place.y} * width_ + place.x;
+    return place.pass * pixels_ + by_pixels_.product(pixel < first_ ? pixel + pixels_ - first_ : pixel - first_, back_);
 }
 
 FilmPosition PixelLattice::position(const Place& place) const {

@@ -73,6 +73,7 @@ class PixelLattice {
     std::uint32_t width_, height_;
     std::uint64_t pixels_;
     Divisor by_pixels_, by_width_;
+    std::uint64_t first_ = 0;            // the pixel of sample 0
     std::uint64_t step_ = 0, back_ = 0;  // from one sample to the next pixel, and its inverse mod W H
     std::uint64_t key_;
 };

@@ -77,8 +77,7 @@ void PixelPlaces::samples(std::span<const std::uint64_t> numbers, std::span<std:
     for (std::size_t i = 0; i < numbers.size(); ++i) n[i] = lattice_.sample(block_.place(numbers[i], first_));
 }
 
-void PixelPlaces::positions(std::span<const std::uint64_t> numbers, std::span<std::uint32_t> u,
-                            std::span<std::uint32_t> v) const {
+void PixelPlaces::positions(std::span<const std::uint64_t> numbers, std::span<std::uint32_t> u, std::span<std::uint32_t> v) const {
     for (std::size_t begin = 0; begin < numbers.size(); begin += HWY_STATIC_DISPATCH(kAtOnce)) {
         const auto few = numbers.subspan(begin, std::min(HWY_STATIC_DISPATCH(kAtOnce), numbers.size() - begin));
         std::uint64_t all = 0;

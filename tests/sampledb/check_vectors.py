@@ -101,7 +101,7 @@ def check_vectors(page):
                 expect(name, "%08x %08x" % pixels.point(*pixels.place(int(n))), u + " " + v)
         elif name == "pixels-transform":
             values, (bits,) = hex_numbers(case["values"]), ints(case["bits"])
-            pixels = Pixels(ints(case["W H"]), (0, 0))
+            pixels = Pixels(ints(case["W H"]), hex_numbers(case["shifts"]))
             numbers = from_packed(plane(case, "plane 0"), bits, 0, len(values))
             places = pixels.unpacked(numbers, int(case["base"][0], 16), ints(case["level x y"]))
             expect(name, [pixels.sample(*place) for place in places], values)

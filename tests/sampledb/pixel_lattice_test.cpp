@@ -1,4 +1,5 @@
-// The lattice of pixels: every pass visits every pixel once, positions stay in their pixels, and each pixel's samples fill it evenly.
+// The lattice of pixels: every pass visits every pixel once, positions stay in their pixels, and each pixel's samples fill it
+// evenly.
 #include "sampledb/data/pixel_lattice.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,8 @@ struct Size {
 constexpr Size kSizes[] = {{1, 1}, {1, 7}, {64, 64}, {60, 34}, {50, 50}, {97, 13}, {640, 360}};
 
 PositionSamplerSpec pixels(Size size, std::uint64_t seed = 0x9ABCDEF012345678u) {
-    return {PositionSampler::kPixels, static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), size.width, size.height};
+    return {PositionSampler::kPixels, static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), size.width,
+            size.height};
 }
 
 TEST(PixelLattice, EveryPassVisitsEveryPixelOnce) {
@@ -41,14 +43,17 @@ TEST(PixelLattice, EveryPassVisitsEveryPixelOnce) {
 
 TEST(PixelLattice, IsExactForTheLargestFilms) {
     std::mt19937_64 random(1);
-    for (const Size size : {Size{1u << 20, 1u << 20}, Size{(1u << 20) - 1, (1u << 20) - 3}, Size{1u << 20, 1}, Size{999'983, 1'000'003}}) {
+    for (const Size size :
+         {Size{1u << 20, 1u << 20}, Size{(1u << 20) - 1, (1u << 20) - 3}, Size{1u << 20, 1}, Size{999'983, 1'000'003}}) {
         const PixelLattice lattice(pixels(size));
         const unsigned __int128 count = std::uint64_t{size.width} * size.height;
-        const std::uint64_t step = lattice.place(1).y * std::uint64_t{size.width} + lattice.place(1).x;
+        const auto pixel_of = [&](std::uint64_t n) { return lattice.place(n).y * std::uint64_t{size.width} + lattice.place(n).x; };
+        const unsigned __int128 step = pixel_of(1) + count - pixel_of(0);
         for (int i = 0; i < 10'000; ++i) {
             const std::uint64_t n = random();
             const PixelLattice::Place place = lattice.place(n);
-            ASSERT_EQ(place.y * std::uint64_t{size.width} + place.x, static_cast<std::uint64_t>(n % count * step % count));
+            ASSERT_EQ(place.y * std::uint64_t{size.width} + place.x,
+                      static_cast<std::uint64_t>((n % count * (step % count) + pixel_of(0)) % count));
             ASSERT_EQ(lattice.sample(place), n);
         }
     }

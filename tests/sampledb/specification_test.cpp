@@ -260,7 +260,8 @@ PositionSamplerSpec pixels_of(PositionSamplerSpec spec, std::uint32_t width, std
 void check_pixel_steps(const Vector& vector) {
     for (const auto& row : vector.rows) {
         const std::uint64_t width = u64(row.at(0), 10), height = u64(row.at(1), 10);
-        const PixelLattice lattice(pixels_of(kPixels, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
+        const PixelLattice lattice(
+            pixels_of({PositionSampler::kPixels}, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
         const auto [x, y, pass] = lattice.place(1);
         const std::uint64_t pixels = width * height, next = 1 % pixels;
         EXPECT_EQ(y * width + x, u64(row.at(2), 10) % pixels);
@@ -281,8 +282,9 @@ void check_pixels_transform(const Vector& vector) {
     const auto bits = vector.one<unsigned>("bits");
     std::vector<std::uint64_t> numbers(expected.size()), values(expected.size());
     unpack_bits(vector.bytes("plane 0"), bits, numbers);
-    PixelPlaces(pixels_of(kPixels, size.at(0), size.at(1)), {static_cast<std::uint8_t>(node.at(0)), node.at(1), node.at(2)},
-                vector.one<std::uint64_t>("base", 16))
+    const auto shifts = vector.hex<std::uint32_t>("shifts");
+    PixelPlaces({PositionSampler::kPixels, shifts.at(0), shifts.at(1), size.at(0), size.at(1)},
+                {static_cast<std::uint8_t>(node.at(0)), node.at(1), node.at(2)}, vector.one<std::uint64_t>("base", 16))
         .samples(numbers, values);
     EXPECT_EQ(values, expected);
 }

@@ -144,7 +144,7 @@ def pixel_step(w, h):
 def pixel_place(job, n):
     w, h = job.pixels
     p, r = n // (w * h), n % (w * h)
-    q = r * pixel_step(w, h) % (w * h)
+    q = (r * pixel_step(w, h) + job.shifts[1] * 2**32 + job.shifts[0]) % (w * h)
     return q % w, q // w, p
 
 

@@ -8,6 +8,7 @@
 #include "color/observer.h"
 #include "render/medium/grid.h"
 #include "render/medium/majorant_grid.h"
+#include "render/sampling/halton_sampler.h"
 #include "render/spectral/wavelength_density.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/picture_mean.h"
@@ -139,7 +140,7 @@ class Slab : public ::testing::TestWithParam<Variety> {
     Affined medium_from_unit_{{2000, 0, 0}, {0, 2000, 0}, {0, 0, 2}, {-1000, -1000, 0}};
     GridMedium fog_{PhaseFunction{}, medium_from_unit_, medium_from_unit_.inverse().value(), sigma_t_, sigma_s_, kNone, volume_};
     SampledSpectra spectra_{library_};
-    Sampler sampler_{1, {}};
+    HaltonSampler sampler_{{}, 1, {}};
     SampleState sample_{{sampler_, 0}, spectra_, 0, Random(77)};
     Segment segment_{{0, 0, static_cast<float>(kFrom)}, {0, 0, 0.5f}, static_cast<float>(kTo - kFrom)};
 };

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "color/observer.h"
+#include "render/sampling/halton_sampler.h"
 #include "render/spectral/wavelength_density.h"
 #include "render/transport/bidirectional/weights.h"
 #include "render/transport/records.h"
@@ -224,7 +225,7 @@ TEST(Records, FaultsAreCountedAndKeptOut) {
     SpectrumLibrary library;
     SampledSpectra spectra(library);
     wavelengths.draw(12345, spectra.wavelengths);
-    const Sampler sampler(1, {});
+    const HaltonSampler sampler({}, 1, {});
     const SampleState sample{SampleNumbers(sampler, 1), spectra, 0};
     const Camera camera = *Camera::make({});
     CameraPoint point{};

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "render/medium/homogeneous.h"
+#include "render/sampling/halton_sampler.h"
 #include "render/spectral/wavelength_density.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
@@ -25,7 +26,7 @@ class Steps : public ::testing::Test {
     std::uint32_t sigma_s_ = library_.add(line(3, 0.02), Lookup::kNearestNm);
     HomogeneousMedium fog_{sigma_t_, sigma_s_, kNone, PhaseFunction{}};
     SampledSpectra spectra_{library_};
-    Sampler sampler_{1, {}};
+    HaltonSampler sampler_{{}, 1, {}};
     SampleState sample_{{sampler_, 0}, spectra_, 0};
 };
 

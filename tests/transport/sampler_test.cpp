@@ -4,16 +4,24 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <set>
 
 #include "render/sampling/alias_table.h"
+#include "render/sampling/halton_sampler.h"
 #include "render/sampling/piecewise_constant.h"
+#include "render/sampling/pixel_sampler.h"
 #include "render/sampling/warp.h"
 #include "sampledb/data/film_position.h"
 #include "tests/transport/numbers.h"
 
 namespace latent::render::testing {
 namespace {
+
+using D = Dimension;
 
 const std::vector<std::uint32_t> kImportant = {0, 1, 2, 3, 9, 10, 11};
 
@@ -29,8 +37,17 @@ double discrepancy(std::vector<float> x) {
     return worst;
 }
 
-TEST(Sampler, EveryDimensionIsUniform) {
-    const Sampler sampler(42, kImportant);
+// By Halton's positions, and by pixels.
+std::vector<std::unique_ptr<const Sampler>> samplers(std::uint64_t seed) {
+    std::vector<std::unique_ptr<const Sampler>> both;
+    both.push_back(
+        std::make_unique<HaltonSampler>(sampledb::PositionSamplerSpec{sampledb::PositionSampler::kHalton23}, seed, kImportant));
+    both.push_back(
+        std::make_unique<PixelSampler>(sampledb::PositionSamplerSpec{sampledb::PositionSampler::kPixels, 0, 0, 60, 34}, seed));
+    return both;
+}
+
+void expect_uniform(const Sampler& sampler) {
     for (const std::uint32_t dimension : {0u, 1u, 3u, 11u, 20u, 100u, Dimension::of_light_vertex(3, Dimension::kLobe)}) {
         std::vector<float> x;
         for (std::uint64_t n = 0; n < 20'000; ++n) x.push_back(sampler.at(n, dimension));
@@ -38,11 +55,15 @@ TEST(Sampler, EveryDimensionIsUniform) {
     }
 }
 
+TEST(Sampler, EveryDimensionIsUniform) {
+    for (const std::unique_ptr<const Sampler>& sampler : samplers(42)) expect_uniform(*sampler);
+}
+
 // The samples of one pixel are spread out in the important dimensions, and in those that share their primes, as no random numbers
 // are, at any resolution.
 TEST(Sampler, SamplesOfOnePixelAreSpreadOut) {
     constexpr std::uint32_t kDimensions = 6;
-    const Sampler sampler(7, kImportant, {{4, 0}, {5, 1}});
+    const HaltonSampler sampler({}, 7, kImportant, {{4, 0}, {5, 1}});
     for (const std::uint32_t width : {64u, 100u, 256u}) {
         double sum = 0;
         int count = 0;
@@ -61,17 +82,51 @@ TEST(Sampler, SamplesOfOnePixelAreSpreadOut) {
     }
 }
 
-TEST(Sampler, IsAFunctionOfSeedSampleAndDimension) {
-    const Sampler a(1, kImportant), again(1, kImportant), b(2, kImportant);
-    int same = 0;
-    for (std::uint64_t n = 0; n < 1000; ++n) {
-        for (const std::uint32_t d : {0u, 5u, 10u}) {
-            EXPECT_EQ(a.at(n, d).bits, again.at(n, d).bits);
-            same += a.at(n, d).bits == b.at(n, d).bits;
+// Of 2^m passes, each pixel has one number in each part of 2^-m, and one pair of the numbers of a light's point, and of a
+// direction, in each of many boxes: they are (t, m, 2)-nets with a small t.
+TEST(Sampler, SamplesOfOnePixelAreStratified) {
+    constexpr std::uint32_t kWidth = 60, kHeight = 34, kPasses = 16;
+    const PixelSampler sampler({sampledb::PositionSampler::kPixels, 0, 0, kWidth, kHeight}, 7);
+    std::map<std::uint64_t, std::vector<std::uint64_t>> samples;  // of each pixel
+    for (std::uint64_t n = 3 * kPasses * kWidth * kHeight; n < 4 * kPasses * kWidth * kHeight; ++n) {
+        const sampledb::PixelLattice::Place place = sampler.key_of(n).place;
+        samples[place.y * kWidth + place.x].push_back(n);
+    }
+    ASSERT_EQ(samples.size(), kWidth * kHeight);
+    const auto part = [&](std::uint64_t n, std::uint32_t dimension, std::uint32_t parts) {
+        return sampler.at(n, dimension).index(parts);
+    };
+    const auto of_vertex = [](std::uint32_t vertex, std::uint32_t what) { return D::of_camera_vertex(vertex, what); };
+    for (const auto& [pixel, numbers] : samples) {
+        for (const std::uint32_t dimension :
+             {+D::kXi, +D::kLensU, +D::kLensV, +D::kTime, +D::kKeptWavelength, of_vertex(0, D::kLightU), of_vertex(0, D::kLobe),
+              of_vertex(0, D::kDistance), of_vertex(1, D::kDirectionV)}) {
+            std::set<std::uint32_t> parts;
+            for (const std::uint64_t n : numbers) parts.insert(part(n, dimension, kPasses));
+            ASSERT_EQ(parts.size(), kPasses) << dimension;
+        }
+        for (const std::uint32_t first : {of_vertex(0, D::kLightU), of_vertex(0, D::kDirectionU), +D::kLensU}) {
+            std::set<std::uint32_t> boxes;
+            for (const std::uint64_t n : numbers) boxes.insert(part(n, first, 4) * 4 + part(n, first + 1, 4));
+            ASSERT_GE(boxes.size(), kPasses / 2) << first;
         }
     }
-    EXPECT_LT(same, 3);
-    const Sampler sharing(1, kImportant, {{4, 0}, {5, 20}});  // 20 is hashed, so 5 is too
+}
+
+TEST(Sampler, IsAFunctionOfSeedSampleAndDimension) {
+    const auto first = samplers(1), again = samplers(1), other = samplers(2);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        int same = 0;
+        for (std::uint64_t n = 0; n < 1000; ++n) {
+            for (const std::uint32_t d : {0u, 5u, 10u, D::of_camera_vertex(0, D::kLightU)}) {
+                EXPECT_EQ(first[i]->at(n, d).bits, again[i]->at(n, d).bits);
+                same += first[i]->at(n, d).bits == other[i]->at(n, d).bits;
+            }
+        }
+        EXPECT_LT(same, 3);
+    }
+    const HaltonSampler a({}, 1, kImportant);
+    const HaltonSampler sharing({}, 1, kImportant, {{4, 0}, {5, 20}});  // 20 is hashed, so 5 is too
     for (std::uint64_t n = 0; n < 1000; ++n) {
         EXPECT_EQ(sharing.at(n, 0).bits, a.at(n, 0).bits);
         EXPECT_EQ(sharing.at(n, 5).bits, a.at(n, 5).bits);
@@ -112,8 +167,24 @@ TEST(AliasTable, FollowsItsWeights) {
 }
 
 // However many there are to choose from: every second one has 1/200 of the weight of the others.
+// What a choice leaves of its number is as even as the number.
+TEST(AliasTable, LeavesTheRestOfItsNumber) {
+    const std::vector<double> weight = {3, 0, 1, 0.25, 12, 1};
+    const AliasTable table(weight);
+    constexpr int kCount = 400'000, kParts = 10;
+    std::vector<std::array<double, kParts>> counted(weight.size());
+    for (std::uint64_t i = 0; i < kCount; ++i) {
+        Uniform rest;
+        const std::uint32_t chosen = table.sample({~std::uint64_t{0} / kCount * i}, rest);
+        ++counted[chosen][rest.index(kParts)];
+    }
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+        for (const double count : counted[i]) EXPECT_NEAR(count, weight[i] / 17.25 * kCount / kParts, 20);
+    }
+}
+
 TEST(AliasTable, FollowsItsWeightsAmongAMillion) {
-    const Sampler sampler(1, kImportant);
+    const HaltonSampler sampler({}, 1, kImportant);
     for (const std::uint32_t size : {1024u, 16'384u, 131'072u, 1u << 20}) {
         std::vector<double> weight(size);
         for (std::uint32_t i = 0; i < size; ++i) weight[i] = i % 2 == 0 ? 1 : 200;

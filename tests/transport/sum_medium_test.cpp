@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "render/medium/make_medium.h"
+#include "render/sampling/halton_sampler.h"
 #include "render/spectral/wavelength_density.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/lit_floor.h"
@@ -120,7 +121,7 @@ class Overlap : public ::testing::Test {
     SpectrumLibrary library_;
     std::unique_ptr<const Medium> sum_ = make_medium(media_, 4, library_);
     SampledSpectra spectra_{library_};
-    Sampler sampler_{1, {}};
+    HaltonSampler sampler_{{}, 1, {}};
     SampleState sample_{{sampler_, 0}, spectra_, 0, Random(78)};
     Segment segment_{{0.3f, 0.2f, -0.2f}, {0, 0, 1}, 2.6f};
 };

@@ -19,7 +19,14 @@ bool agrees(const Verdict& v, bool by_blocks) {
     return (blocks || !by_blocks) && (std::abs(v.whole_relative) < 0.003 || std::abs(v.whole_z) < 3.5);
 }
 
-void expect_agreement(const Estimate& ours, const Estimate& reference, bool by_blocks) {
+// Without noise, a block of plain sky differs from pbrt-v4's by 0.019 %: what no standard error says is assumed to be half of that.
+constexpr double kSystematic = 1e-4;
+
+void expect_agreement(Estimate ours, const Estimate& reference, bool by_blocks) {
+    for (std::size_t b = 0; b < ours.mean.xyz.size(); ++b) {
+        for (std::size_t c = 0; c < 3; ++c)
+            ours.error.xyz[b][c] = std::hypot(ours.error.xyz[b][c], kSystematic * reference.mean.xyz[b][c]);
+    }
     for (std::size_t c = 0; c < 3; ++c) {
         const Verdict v = compare(ours, reference, c);
         const std::string what = fmt::format("{}: worst z {:.2f}, mean z^2 {:.2f}, whole {:+.3f} % ({:.1f} standard errors)",

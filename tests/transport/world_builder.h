@@ -26,7 +26,8 @@ struct Scene {
     }
     // XYZ records, unless settings say otherwise.
     std::unique_ptr<Integrator> integrator(IntegratorSettings settings) const {
-        settings.positions.sampler = sampledb::PositionSampler::kHalton23;
+        if (settings.positions.sampler == sampledb::PositionSampler::kNone)
+            settings.positions = {sampledb::PositionSampler::kPixels, 0, 0, 64, 64};
         settings.positions.shift_u = static_cast<std::uint32_t>(settings.seed * 2654435761u);
         settings.positions.shift_v = static_cast<std::uint32_t>(settings.seed * 2246822519u);
         if (settings.max_depth == 0) settings.max_depth = description.max_depth;

@@ -21,13 +21,11 @@ void SubpathJoin::join_light(std::size_t i) {
     const SubpathVertex& z = subpaths_.camera[i];
     if (!z.connectible() || lights_.size() == 0) return;
     const LightSampleContext context = z.scattering.light_sample_context(z.wo);
-    const ChosenLight chosen = lights_.choose(camera_number(i - 1, Dimension::kLight), z.at.p, context);
+    const ChosenLight chosen = lights_.choose(camera_number(i - 1, Dimension::kLightU), z.at.p, context);
     if (!(chosen.probability > 0)) return;
     const Light& light = lights_[chosen.light];
     LightPoint point;
-    if (!light.sample_point(z.at.p, context, camera_number(i - 1, Dimension::kLightU), camera_number(i - 1, Dimension::kLightV),
-                            point))
-        return;
+    if (!light.sample_point(z.at.p, context, chosen.rest, camera_number(i - 1, Dimension::kLightV), point)) return;
     const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi, true);
     if (!(scattering_pdf > 0)) return;
     SampledSpectrum value = z.beta;

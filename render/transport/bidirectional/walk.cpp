@@ -28,12 +28,13 @@ void SubpathWalk::trace_camera(Vec2d film) {
 void SubpathWalk::trace_light() {
     subpaths_.light.resize(1);
     if (lights_.size() == 0) return;  // media shine
-    subpaths_.start_light = lights_.choose(sample_.numbers(Dimension::kStartLight));
+    const ChosenLight chosen = lights_.choose(sample_.numbers(Dimension::kStartU));
+    subpaths_.start_light = chosen.light;
     const Light& light = lights_[subpaths_.start_light];
     LightRay ray;
-    light.sample_ray(sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
-                     sample_.numbers(Dimension::kStartDirectionU), sample_.numbers(Dimension::kStartDirectionV), ray);
-    const float probability = lights_.probability(subpaths_.start_light);
+    light.sample_ray(chosen.rest, sample_.numbers(Dimension::kStartV), sample_.numbers(Dimension::kStartDirectionU),
+                     sample_.numbers(Dimension::kStartDirectionV), ray);
+    const float probability = chosen.probability;
     subpaths_.light.resize(1);
     SubpathVertex& x = subpaths_.light[0];
     x = {};

@@ -26,16 +26,17 @@ class Pixels:
         self.step = (3242174889 * self.h + 2**31) // 2**32 * self.w + (2447445414 * self.w + 2**31) // 2**32
         while math.gcd(self.step, self.w * self.h) != 1:
             self.step += 1
+        self.first = (self.shifts[1] << 32 | self.shifts[0]) % (self.w * self.h)
         self.back = pow(self.step, -1, self.w * self.h)
 
     def place(self, n):
         """Column and row of the pixel, and the pass."""
         p, r = divmod(n, self.w * self.h)
-        y, x = divmod(r * self.step % (self.w * self.h), self.w)
+        y, x = divmod((r * self.step + self.first) % (self.w * self.h), self.w)
         return x, y, p
 
     def sample(self, x, y, p):
-        return p * self.w * self.h + (y * self.w + x) * self.back % (self.w * self.h) & M64
+        return p * self.w * self.h + (y * self.w + x - self.first) * self.back % (self.w * self.h) & M64
 
     def point(self, x, y, p):
         s = (self.shifts[1] << 32 | self.shifts[0]) + (y << 32 | x) * 0x9E3779B97F4A7C15 & M64

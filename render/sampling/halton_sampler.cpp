@@ -1,12 +1,13 @@
-#include "render/sampling/sampler.h"
+#include "render/sampling/halton_sampler.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace latent::render {
 namespace {
 
-constexpr std::array<std::uint32_t, Sampler::kPrimes> kBases = {5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
+constexpr std::array<std::uint32_t, HaltonSampler::kPrimes> kBases = {5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
 constexpr std::uint64_t kOne = std::uint64_t{1} << 60;
 
 // A permutation of 0..base-1 that is a function of `key` (Fisher-Yates).
@@ -49,18 +50,21 @@ std::uint64_t remainder(std::uint64_t x, std::uint64_t divisor, std::uint64_t re
 
 }  // namespace
 
-Sampler::Sampler(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing)
-    : seed_(mix(seed + 0x6a09e667f3bcc909u)) {
-    for (std::size_t i = 0; i < std::min(important.size(), kPrimes); ++i)
+HaltonSampler::HaltonSampler(const sampledb::PositionSamplerSpec& positions, std::uint64_t seed,
+                             const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing)
+    : Sampler(seed), positions_(positions) {
+    std::map<std::uint32_t, std::uint32_t> base;
+    for (std::size_t i = 0; i < std::min(important.size(), kPrimes); ++i) {
+        base[important[i]] = kBases[i];
         add_radical(important[i], kBases[i], seed_ + (std::uint64_t{kBases[i]} << 40));
-    for (const Sharing& s : sharing) {
-        if (radical_of_[s.with] == 0) continue;
-        const std::uint32_t base = radicals_[radical_of_[s.with] - 1u].base;
-        add_radical(s.dimension, base, seed_ + (std::uint64_t{base} << 40) + (std::uint64_t{s.dimension + 1} << 32));
+    }
+    for (const auto& [dimension, with] : sharing) {
+        if (base.count(with) == 0) continue;
+        add_radical(dimension, base[with], seed_ + (std::uint64_t{base[with]} << 40) + (std::uint64_t{dimension + 1} << 32));
     }
 }
 
-void Sampler::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key) {
+void HaltonSampler::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key) {
     Radical r;
     r.base = base;
     std::uint32_t digits = 0;
@@ -73,16 +77,14 @@ void Sampler::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint
     }
     r.tail = unit;
     r.tail_reciprocal = ~std::uint64_t{0} / unit;
+    set_spread(dimension, radicals_.size());
     radicals_.push_back(std::move(r));
-    radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
 }
 
-Uniform Sampler::at(std::uint64_t n, std::uint64_t key, std::uint64_t dimension) const {
-    const std::uint64_t random = mix(key + (dimension + 1) * 0x9e3779b97f4a7c15u);
-    if (dimension >= kTabulated || radical_of_[dimension] == 0) return {random};
-    const Radical& r = radicals_[radical_of_[dimension] - 1];
+Uniform HaltonSampler::spread(std::uint32_t as, const Key& key, std::uint64_t random) const {
+    const Radical& r = radicals_[as];
     constexpr std::uint64_t kExact = std::uint64_t{1} << 52;
-    std::uint64_t rest = n < kExact ? n : random % kExact;  // nobody renders so many
+    std::uint64_t rest = key.n < kExact ? key.n : random % kExact;  // nobody renders so many
     std::uint64_t sum = 0;
     for (const std::vector<std::uint64_t>& table : r.table) {
         const std::uint64_t quotient = high_half(rest, r.reciprocal);
