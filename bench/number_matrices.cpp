@@ -1,5 +1,5 @@
 // bench/number_matrices.cpp: the search for render/sampling/number_matrices.h.
-//   number_matrices [SEED [TRIALS [RUNS]]]     the table was made with 11 1000 24: 20 minutes
+//   number_matrices [SEED [TRIALS [RUNS]]]     the table was made with 11 1000 24, in some minutes
 // The matrices of all numbers grow by one column at a time, 12 in all: of up to TRIALS columns that keep a matrix a (0,1)-sequence,
 // the one is taken that makes the weighted squares of t least, over the groups of numbers that a path uses together. Of RUNS such
 // sets, the best is printed. Further columns are random.
