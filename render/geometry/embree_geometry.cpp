@@ -146,7 +146,9 @@ void EmbreeGeometry::find_interfaces() {
     each([&](const PlacedShape& placed) {
         has_interfaces_ = has_interfaces_ || (placed.parts_media() && (is_interface(placed.shape.material) || placed.has_holes()));
     });
-    each([&](PlacedShape& placed) { placed.is_watched = has_interfaces_ || placed.has_holes() || placed.hollow; });
+    each([&](PlacedShape& placed) {
+        placed.is_watched = has_interfaces_ || placed.has_holes() || placed.hollow || placed.shape.backdrop;
+    });
 }
 
 Line EmbreeGeometry::trace(const Ray& ray, Stop stop) const {
@@ -156,7 +158,7 @@ Line EmbreeGeometry::trace(const Ray& ray, Stop stop) const {
         return line;
     }
     if (stop == Stop::kNothing && !has_interfaces_) return line;
-    TraceContext context{.embree = new_context(), .world = &world_, .stop = stop, .t_max = ray.t_max};
+    TraceContext context{.embree = new_context(), .world = &world_, .stop = stop, .seen = ray.seen, .t_max = ray.t_max};
     if (stop == Stop::kFirstSolid) {
         if (has_interfaces_) context.behind = 0x1p-16f * radius_ / length(ray.d);
         RTCRayHit rayhit{embree_ray(ray), {}};

@@ -26,6 +26,7 @@ float share_passed(const TraceContext& context, const PlacedShape& placed, const
 
 // Whether the ray ends on a watched shape, at t. If the shape parts media, `met` gets it, too.
 bool stops(TraceContext& context, const PlacedShape& placed, const PrimitivePoint& on, const RTCRay& ray, double t) {
+    if (placed.shape.backdrop && !context.seen) return false;
     if (placed.hollow && placed.shape.kind != ShapeKind::kTube &&
         dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0)
         return false;

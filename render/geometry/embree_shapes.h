@@ -25,6 +25,7 @@ struct TraceContext {
     EmbreeContext embree;  // the first member, which Embree passes on
     const PlacedWorld* world;
     Stop stop;
+    bool seen;                               // Ray's
     float t_max;                             // end of the ray: Embree's own shrinks to the hits that it finds
     float behind = 0;                        // in t: surfaces this far behind the hit may lie on it, and are looked for
     double hit_t = kInfinity;                // for kFirstSolid: the first hit so far on a watched shape

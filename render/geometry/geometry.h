@@ -36,7 +36,7 @@ struct SurfaceHit {
     std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: the surface does not change the ray's medium
-    bool ribbon;                                  // ShapeDescription::ribbon
+    bool ribbon, backdrop;                        // ShapeDescription's
     float across;                                 // where it lies across, if that was asked for: -1 to 1 along ns x dpdu
     bool mirrored = false;                        // if it was asked for: dp/dv lies against ns x dpdu
     PrimitivePoint on;

@@ -10,8 +10,9 @@ struct Ray {
     float t_max = kInfinity;
     float time = 0;                     // for all motions: from 0, their start, to 1
     bool may_start_on_surface = false;  // o has no known normal: the first solid is none that contains it
+    bool seen = false;                  // what it meets is seen by the camera, which sees backdrops, too
 
-    Ray at_time(float then) const { return {o, d, t_max, then, may_start_on_surface}; }
+    Ray at_time(float then, bool is_seen = false) const { return {o, d, t_max, then, may_start_on_surface, is_seen}; }
 };
 
 // What a ray's float arithmetic adds to the error of a surface that it comes to, per length of the ray: eight half ulps.

@@ -28,6 +28,7 @@ SurfaceHit common_hit(const ShapeDescription& shape) {
     SurfaceHit hit{};
     hit.material = shape.material;
     hit.ribbon = shape.ribbon;
+    hit.backdrop = shape.backdrop;
     hit.emitter = kNone;
     hit.error_per_length = kRayError;
     hit.inside_medium = shape.inside_medium;

@@ -66,6 +66,7 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
                 add(*s, QuadricLight(*quadrics_.back(), area), is_hidden);
                 break;
         }
+        if (shape.backdrop) power.back() = 0;
     }
     for (const LightDescription& d : scene.lights) {
         const Source s = source(scene.area_lights.size() + static_cast<std::size_t>(&d - scene.lights.data()), d.spectrum);

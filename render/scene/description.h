@@ -168,6 +168,8 @@ struct ShapeDescription {
     std::uint32_t material = kNone;  // kNone: "interface", which scatters nothing
     std::uint32_t area_light = kNone;
     std::uint32_t inside_medium = kNone, outside_medium = kNone;  // equal: crossing the surface changes nothing, as in pbrt
+    // Is seen, also in mirrors and through clear glass, and that is all: it hides no light from anything and gives none to it.
+    bool backdrop = false;
     SourceLocation location{};
 };
 
@@ -214,6 +216,14 @@ struct SceneDescription {
 inline bool has_motion(const SceneDescription& scene) {
     const auto moves = [](const InstanceDescription& instance) { return instance.end.has_value(); };
     return scene.camera.end.has_value() || std::any_of(scene.instances.begin(), scene.instances.end(), moves);
+}
+
+inline bool has_backdrops(const SceneDescription& scene) {
+    const auto any = [](const std::vector<ShapeDescription>& shapes) {
+        return std::ranges::any_of(shapes, &ShapeDescription::backdrop);
+    };
+    return any(scene.shapes) ||
+           std::ranges::any_of(scene.objects, [&](const ObjectDescription& object) { return any(object.shapes); });
 }
 
 }  // namespace latent::render

@@ -178,11 +178,12 @@ void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
 template <class Visit>
 void each_field(Of<ShapeDescription> auto& shape, Visit&& visit) {
     auto& [kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, ribbon, pairs, alpha,
-           material, area_light, inside_medium, outside_medium, location] = shape;
+           material, area_light, inside_medium, outside_medium, backdrop, location] = shape;
     visit(kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, ribbon, pairs, alpha);
     visit.template index<MaterialDescription>(material);
     visit.template index<AreaLightDescription>(area_light);
     visit.template index<MediumDescription>(inside_medium, outside_medium);
+    visit(backdrop);
     visit.label(location);
 }
 

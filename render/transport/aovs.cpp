@@ -83,7 +83,7 @@ Seen Aovs::look(SampleState& sample, const Camera& camera, double u, double v) c
     SampledSpectrum passed(1.0f);  // share of the light that comes by mirrors and glass
     bool dispersed = false;
     for (std::uint32_t i = 0;; ++i) {
-        const Line line = world_.geometry().trace(spawn_ray(at, d).at_time(sample.time), Stop::kFirstSolid);
+        const Line line = world_.geometry().trace(spawn_ray(at, d).at_time(sample.time, true), Stop::kFirstSolid);
         if (!line.hit) return seen;
         const SurfaceHit& hit = *line.hit;
         if (i == 0) {

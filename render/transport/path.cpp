@@ -44,7 +44,7 @@ class Path {
     // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
     bool find_vertex(Scattering& scattering) {
         transmittance_ = 1;
-        const Ray ray = spawn_ray(at_, d_).at_time(sample_.time);
+        const Ray ray = spawn_ray(at_, d_).at_time(sample_.time, seen_directly_);
         const Line line = world_.geometry().trace(ray, Stop::kFirstSolid);
         March march(line, ray, kFar, medium_);
         do {
@@ -171,6 +171,7 @@ class Path {
         context_ = scattering.light_sample_context(wo);
         pdf_ = next.pdf;
         delta_ = next.delta;
+        seen_directly_ = seen_directly_ && next.delta;
         eta2_ *= next.eta2;
         d_ = next.wi;
         if (!scattering.in_medium()) medium_ = interface_.towards(d_, at_.ng, medium_);
@@ -199,6 +200,7 @@ class Path {
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one
     bool dispersed_ = false, delta_ = true;
+    bool seen_directly_ = true;   // in mirrors or through clear glass, if there are vertices before this one
     bool in_tracked_ = false;     // the last vertex is in a medium that varies in space
     float eta2_ = 1;              // product over all refractions so far
     float pdf_ = 0;               // [1/sr] of d_

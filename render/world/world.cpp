@@ -33,6 +33,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
                                                               settings.height > 0 ? settings.height : scene.film.height)));
 
     if (scene.camera.end) world->camera_motion_.emplace(scene.camera.world_from_camera, *scene.camera.end);
+    world->has_backdrops_ = render::has_backdrops(scene);
     if (has_motion(scene)) {
         world->shutter_open_ = static_cast<float>(scene.shutter.open);
         world->shutter_close_ = static_cast<float>(scene.shutter.close);
@@ -128,8 +129,8 @@ std::uint32_t World::find_medium_at_infinity() const {
 }
 
 bool World::connect(const Interaction& from, const Interaction& to, std::uint32_t medium, SampleState& sample,
-                    SampledSpectrum& value, LineOfSight& line) const {
-    return connect(spawn_ray(from, to).at_time(sample.time), length(to.p - from.p), medium, sample, value, line);
+                    SampledSpectrum& value, LineOfSight& line, bool seen) const {
+    return connect(spawn_ray(from, to).at_time(sample.time, seen), length(to.p - from.p), medium, sample, value, line);
 }
 
 bool World::connect_infinite(const Interaction& from, const Vec3f& w, std::uint32_t medium, SampleState& sample,

@@ -47,6 +47,7 @@ class World {
     const Medium& medium(std::uint32_t i) const { return *media_[i]; }
     bool has_media() const { return !media_.empty(); }
     bool has_dispersion() const { return has_dispersion_; }
+    bool has_backdrops() const { return has_backdrops_; }
     // What is beyond everything, where no surface says otherwise. Light from infinity comes through no medium without end.
     std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
     bool is_endless(std::uint32_t medium) const { return medium != kNone && !media_[medium]->box(); }
@@ -66,9 +67,10 @@ class World {
     }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.
-    // False: something stands in the way. To a point, or along unit w as far as it goes.
+    // False: something stands in the way. To a point, or along unit w as far as it goes. `seen`: from the camera, which backdrops
+    // hide things from.
     bool connect(const Interaction& from, const Interaction& to, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
-                 LineOfSight& line) const;
+                 LineOfSight& line, bool seen = false) const;
     bool connect_infinite(const Interaction& from, const Vec3f& w, std::uint32_t medium, SampleState& sample,
                           SampledSpectrum& value, LineOfSight& line) const;
 
@@ -92,7 +94,7 @@ class World {
     std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<LightSet> lights_;
     std::uint32_t medium_at_infinity_ = kNone;
-    bool has_dispersion_ = false;
+    bool has_dispersion_ = false, has_backdrops_ = false;
 };
 
 }  // namespace latent::render

@@ -70,16 +70,16 @@ void SubpathJoin::join_lens(std::size_t i) {
     multiply_light_side(y, to_camera, value);
     if (value.is_black()) return;
     LineOfSight line;  // from y to the lens
-    if (!world_.connect(y.at, {point.p, 0, {}}, y.medium_towards(to_camera), sample_, value, line)) return;
+    if (!world_.connect(y.at, {point.p, 0, {}}, y.medium_towards(to_camera), sample_, value, line, true)) return;
     const float d2 = point.distance * point.distance;
     const float density = point.jacobian / (point.parallel ? 1 : d2);
     value *= density;
 
     const float pdf = y.scattering.pdf_omega(y.wo, to_camera, false),
                 previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo, true) * y.to_previous_area;
-    const bool lens = camera_.has_lens();
-    const float hit =
-        lens ? mis_term(pdf * abs_dot(camera_.axis(), point.w) / d2 * line.transmittance, 1 / camera_.lens_area(), 1) : 0;
+    const float hit = lens_can_be_hit()
+                          ? mis_term(pdf * abs_dot(camera_.axis(), point.w) / d2 * line.transmittance, 1 / camera_.lens_area(), 1)
+                          : 0;
     value *=
         mis_weight(hit + mis_sum(subpaths_.light, i, density * y.cosine(to_camera) * distance_pdf(y, line), previous_pdf_reverse));
     write_light(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));

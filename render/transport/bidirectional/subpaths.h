@@ -26,11 +26,12 @@ struct SubpathVertex {
     MediumInterface media;         // on the sides of its surface
     bool dispersed = false;
     bool in_medium = false;  // not on a surface, a light or the lens
+    bool backdrop = false;   // no light subpath meets it
 
     bool connectible() const { return !scattering.is_delta(); }
     float cosine(const Vec3f& w) const { return normal == Vec3f{} ? 1 : abs_dot(normal, w); }
     // The same for a step that comes here from where w leads; 0: it cannot hit this vertex.
-    float cosine_from(const Vec3f& w) const { return scattering.is_met_from(w) ? cosine(w) : 0; }
+    float cosine_from(const Vec3f& w) const { return !backdrop && scattering.is_met_from(w) ? cosine(w) : 0; }
     std::uint32_t medium_towards(const Vec3f& w) const { return media.towards(w, at.ng, medium); }
 };
 
@@ -70,6 +71,9 @@ class SubpathSample {
     Uniform light_number(std::size_t vertex, std::uint32_t what) const {
         return sample_.numbers(Dimension::of_light_vertex(static_cast<std::uint32_t>(vertex), what));
     }
+
+    // By a light subpath (t = 0): not where backdrops may hide the lens, which such a subpath does not meet.
+    bool lens_can_be_hit() const { return camera_.has_lens() && !world_.has_backdrops(); }
 
     // The line's share in the density of its end x: the probability of passing the line, or, in a medium, the density of being
     // stopped at x.

@@ -16,7 +16,7 @@ void SubpathWalk::trace_camera(Vec2d film) {
     x.at = {origin, 0, {}};
     x.normal = camera.axis();
     x.pdf_forward = lens ? 1 / camera.lens_area() : 1;
-    x.mis.end = lens ? 1 : 0;
+    x.mis.end = lens_can_be_hit() ? 1 : 0;
     step.pdf = camera.jacobian(step.d);
     step.parallel = camera.parallel();
     step.mis_shorter = x.mis.end;
@@ -94,7 +94,8 @@ void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
 bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
     const bool from_infinity = !from_camera && i == 1 && step.parallel;
-    const Ray ray = (from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d)).at_time(sample_.time);
+    const Ray ray = (from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d))
+                        .at_time(sample_.time, from_camera && !step.scattered);
     const Line sight = world_.geometry().trace(ray, Stop::kFirstSolid);
     if (from_infinity) {
         step.medium = sight.medium_before(step.d).value_or(step.medium);
@@ -108,7 +109,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
         step.medium = segment.medium;
         MediumStep medium_step{false, segment.length, 1, 1, segment.length};
         SampledSpectrum weight(1.0f);
-        if (!from_camera && camera_.has_lens()) reach_lens(step, line, segment);
+        if (!from_camera && lens_can_be_hit()) reach_lens(step, line, segment);
         if (step.medium != kNone) {
             const Medium& medium = world_.medium(step.medium);
             const bool emits = from_camera && medium.is_emissive();
@@ -144,6 +145,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
     x.normal = hit.ng;
     x.scattering = world_.bsdf(hit, sample_.spectra, sample_.kept);
     x.media = media_at(hit);
+    x.backdrop = hit.backdrop;
     return append(path, from_camera, x, step, line, density);
 }
 
