@@ -1,4 +1,4 @@
-// What a camera sees in a closed space without lamps: where no sky comes in, what hides it shines.
+// What a camera sees in a closed space without lamps: a sky shines through what encloses it.
 #include <gmock/gmock.h>
 
 #include "tests/render/models.h"
@@ -54,80 +54,92 @@ class Cover : public ::testing::Test {
     LoadedScene load_all(const GltfFile& file, const ModelOptions& options = {}) const {
         return load_scene(folder_.write("room.glb", as_glb(file)), false, color::RgbSpectra::kSmooth, options).value();
     }
-    // Of each shape, whether it shines.
-    static std::vector<bool> shining(const LoadedScene& scene) {
-        std::vector<bool> shine;
-        for (const ShapeDescription& shape : scene.description.shapes) shine.push_back(shape.area_light != kNone);
-        return shine;
+    static std::vector<bool> backdrops(const LoadedScene& scene) {
+        std::vector<bool> out;
+        for (const ShapeDescription& shape : scene.description.shapes) out.push_back(shape.backdrop);
+        return out;
+    }
+    // The camera looks at a wall that faces +z.
+    static void expect_luminance(const LoadedScene& scene, double luminance) {
+        const testing::Mean mean = testing::mean_of_picture({scene.description}, {.max_depth = 5, .seed = 1}, 4000);
+        EXPECT_NEAR(mean.xyz[1], luminance, 4.5 * mean.error[1]);
+        EXPECT_LT(mean.error[1], 0.01 * luminance);
     }
     Folder folder_;
 };
 
-TEST_F(Cover, AFarBoxShinesInItsOwnColour) {
-    for (const double reflectance : {0.2, 0.5}) {
-        LoadedScene scene = load({{.half = 30, .reflectance = reflectance}, {.half = 2, .at = {0, 0, 4}}});
-        EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space: the far surfaces around it shine")));
-        EXPECT_EQ(scene.description.lights.size(), 1u);
-        scene.description.max_depth = 0;  // the camera looks away from the cube
-        const testing::Mean mean = testing::mean_of_picture({scene.description}, {.max_depth = 0, .seed = 1}, 2000);
-        EXPECT_NEAR(mean.xyz[1], reflectance, 0.002 + 4.5 * mean.error[1]);
-        EXPECT_LT(mean.error[1], 0.002);
-    }
-}
+// Irradiance / pi where the normal is z, of the radiance 0.9 + 0.3 d.y + 0.15 d.z.
+constexpr double kOnWall = 0.9 + 0.15 * 2 / 3;
 
-// A matt wall at the distance that the lamp is made for has the radiance of a white one times its reflectance.
-TEST_F(Cover, ARoomGetsALampAtTheCamera) {
-    const LoadedScene scene = load({{.half = 3}});
-    EXPECT_THAT(scene.added, ::testing::Contains(HasSubstr("closed space: a lamp is added at the camera")));
-    EXPECT_EQ(shining(scene), std::vector<bool>{false});
-    ASSERT_EQ(scene.description.lights.size(), 2u);
-    const LightDescription& lamp = scene.description.lights.back();
-    EXPECT_EQ(lamp.kind, LightKind::kPoint);
-    EXPECT_EQ(lamp.from, scene.description.camera.world_from_camera.t);
-    EXPECT_GT(lamp.scale, std::numbers::pi * 9);      // the middle of a wall
-    EXPECT_LT(lamp.scale, std::numbers::pi * 9 * 3);  // a corner
+TEST_F(Cover, AClosedSpaceOfAnySizeIsLitThroughItsWalls) {
+    for (const double half : {0.01, 3.0, 20.0, 500.0}) {
+        const LoadedScene scene = load({{.half = half, .reflectance = 0.3}});
+        EXPECT_THAT(scene.added,
+                    ::testing::ElementsAre(HasSubstr("a soft sky is added, which shines through what encloses the camera")));
+        EXPECT_EQ(scene.description.lights.size(), 1u);
+        EXPECT_EQ(backdrops(scene), std::vector{true});
+        expect_luminance(scene, 0.3 * kOnWall);
+    }
 }
 
 TEST_F(Cover, OneOpenSideLetsTheSkyIn) {
     const LoadedScene scene =
         load_all(cubes({{.half = 3}}, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6}));
-    EXPECT_EQ(shining(scene), std::vector<bool>{false});
+    EXPECT_EQ(backdrops(scene), std::vector{false});
+    EXPECT_THAT(scene.added, ::testing::ElementsAre(HasSubstr("a soft sky with a key light is added")));
+}
+
+// Things in a room cast shadows. About a house in the box that shows a sky, the box, the house and what stands outside do not.
+TEST_F(Cover, WhatEnclosesTheCameraIsABackdropAndNothingElse) {
+    EXPECT_EQ(backdrops(load({{.half = 3}, {.half = 1, .at = {0, 0, 1.5}}})), (std::vector{true, false}));
+    EXPECT_EQ(backdrops(load({{.half = 90}, {.half = 1}})), (std::vector{true, true}));
+    EXPECT_EQ(backdrops(load({{.half = 90}, {.half = 1}, {.half = 2, .at = {10, 0, 0}}})), (std::vector{true, true, true}));
+    EXPECT_EQ(backdrops(load({{.half = 1, .at = {3, 0, 0}}})), std::vector{false});
+}
+
+TEST_F(Cover, AModelWithALightHasNoBackdrops) {
+    GltfFile file = cubes({{.half = 3}}, kClosed);
+    file.json["extensionsUsed"] = {"KHR_lights_punctual"};
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+    file.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    const LoadedScene scene = load_all(file);
+    EXPECT_EQ(backdrops(scene), std::vector{false});
     EXPECT_EQ(scene.description.lights.size(), 1u);
 }
 
-// The sky, but not what stands under it; a room in a house is none, whatever lies about the house.
-TEST_F(Cover, OnlyAFarBoxThatIsSeenIsASky) {
-    EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 4}}})), (std::vector{true, false}));
-    EXPECT_EQ(shining(load({{.half = 30}, {.half = 2, .at = {0, 0, 24}}})), (std::vector{false, false}));
-    EXPECT_EQ(shining(load({{.half = 90}, {.half = 1}})), (std::vector{false, false}));
-    EXPECT_EQ(shining(load({{.half = 15}, {.half = 1, .at = {0, 0, 2}}})), (std::vector{false, false}));
-    EXPECT_EQ(load({{.half = 1, .at = {3, 0, 0}}}).description.lights.size(), 1u);
+TEST_F(Cover, AGivenSkyShinesThroughTheWallsToo) {
+    testing::write_exr(folder_ / "sky.exr", 2, 2, std::vector<float>(12, 0.5f));
+    const LoadedScene scene = load({{.half = 3, .reflectance = 0.3}}, {.sky = folder_ / "sky.exr"});
+    EXPECT_THAT(scene.added, ::testing::ElementsAre(HasSubstr("closed space: the sky shines through what encloses it")));
+    expect_luminance(scene, 0.3 * 0.5);
 }
 
 TEST_F(Cover, WhatLetsLightPassClosesNothing) {
     GltfFile file = cubes({{.half = 3}}, kClosed);
     file.json["materials"][0]["alphaMode"] = "BLEND";
     file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.5;
-    EXPECT_EQ(load_all(file).description.lights.size(), 1u);
+    EXPECT_EQ(backdrops(load_all(file)), std::vector{false});
     file = cubes({{.half = 3}}, kClosed);
     file.json["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
-    EXPECT_EQ(load_all(file).description.lights.size(), 1u);
+    EXPECT_EQ(backdrops(load_all(file)), std::vector{false});
 }
 
 TEST_F(Cover, InstancesCloseARoom) {
-    GltfFile file = cubes({{.half = 3}, {.half = 1, .at = {50, 0, 0}}}, kClosed);
-    EXPECT_EQ(load_all(file).description.lights.size(), 2u);
+    GltfFile file = cubes({{.half = 3, .reflectance = 0.3}, {.half = 1, .at = {50, 0, 0}}}, kClosed);
+    EXPECT_EQ(backdrops(load_all(file)), (std::vector{true, false}));
     file.json["nodes"][2]["mesh"] = 0;
-    EXPECT_EQ(load_all(file).description.instances.size(), 2u);
-    EXPECT_EQ(load_all(file).description.lights.size(), 2u);
+    const LoadedScene scene = load_all(file);
+    EXPECT_EQ(scene.description.instances.size(), 2u);
+    EXPECT_TRUE(scene.description.objects[0].shapes[0].backdrop);
+    expect_luminance(scene, 0.3 * kOnWall);
 }
 
-TEST_F(Cover, WhatEmitsByItselfStaysAsItIs) {
-    GltfFile file = cubes({{.half = 30}, {.half = 2, .at = {0, 0, 4}}}, kClosed);
+// It is seen to glow, but gives no light.
+TEST_F(Cover, WhatEmitsByItselfIsSeenToDoSo) {
+    GltfFile file = cubes({{.half = 30, .reflectance = 0.3}}, kClosed);
     file.json["materials"][0]["emissiveFactor"] = {0.25, 0.25, 0.25};
-    const LoadedScene scene = load_all(file);
-    ASSERT_EQ(scene.description.area_lights.size(), 1u);
-    EXPECT_EQ(scene.description.area_lights[0].picture, kNone);
+    file.json["materials"][0]["doubleSided"] = true;
+    expect_luminance(load_all(file), 0.25 + 0.3 * kOnWall);
 }
 
 }  // namespace

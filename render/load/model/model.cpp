@@ -98,6 +98,7 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
         model.scene.camera = framing(points, film, options);
     }
     if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
+    const bool is_closed = !has_light && uncover_sky(model);
     if (!options.sky.empty()) {
         Result<LightDescription> sky = sky_of(options.sky, white, options);
         if (!sky) return sky.error();
@@ -105,25 +106,23 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
         if (model.sky_scale != 1)
             notes.emplace_back(
                 fmt::format("has lamps in lumens, as Blender writes them: the sky is multiplied by {:.0f}", model.sky_scale));
+        if (is_closed) notes.emplace_back("has its camera in a closed space: the sky shines through what encloses it");
         model.scene.lights.push_back(std::move(*sky));
     } else if (!has_light || is_shown) {
         const char* const why = has_light                                  ? "is an object with lights of its own"
                                 : std::ranges::any_of(model.shapes, glows) ? "has no light but surfaces of radiance 1 or less"
                                                                            : "has no light";
         const bool has_ground = options.stage && !model.has_camera && !box.is_empty();
-        notes.emplace_back(fmt::format("{}; a soft sky with a key light{} added{}", why, has_ground ? " and a ground are" : " is",
-                                       has_light ? " (--no-stage leaves it without)" : ""));
-        LightDescription sky = studio_sky(white, options);
+        notes.emplace_back(is_closed ? fmt::format("{}; a soft sky is added, which shines through what encloses the camera", why)
+                                     : fmt::format("{}; a soft sky with a key light{} added{}", why,
+                                                   has_ground ? " and a ground are" : " is",
+                                                   has_light ? " (--no-stage leaves it without)" : ""));
+        LightDescription sky = is_closed ? room_sky(white, options) : studio_sky(white, options);
         sky.scale = model.sky_scale;
         model.scene.lights.push_back(std::move(sky));
         if (has_ground) model.shapes.push_back(studio_ground(box, options, model.scene));
     } else if (additions.empty()) {
         notes.emplace_back("is lit by its own lights alone; --sky FILE adds a sky");
-    }
-    if (const std::optional<Cover> cover = has_light ? std::nullopt : cover_of_sky(model, world_from_stage(options).y)) {
-        notes.emplace_back(cover->skies.empty() ? "has its camera in a closed space: a lamp is added at the camera"
-                                                : "has its camera in a closed space: the far surfaces around it shine");
-        light_up(*cover, white, model);
     }
     return notes;
 }

@@ -41,7 +41,7 @@ class SoftBox {
     float radiance_;
 };
 
-float sky_radiance(const Vec3f& d) {
+float studio_radiance(const Vec3f& d) {
     static const Vec3f key(normalize(Vec3d(0.5, 0.8, 0.6)));
     static const SoftBox fill({-0.75, 0.5, 0.45}, 0.5, 0.55, 2), rim({0.95, 0.5, -0.2}, 0.15, 0.5, 3);
     const float front = std::max(d.z, 0.0f);
@@ -49,9 +49,24 @@ float sky_radiance(const Vec3f& d) {
            25 * exp_nonpositive(std::min(25 * (dot(d, key) - 1), 0.0f)) + fill.radiance(d) + rim.radiance(d);
 }
 
+float room_radiance(const Vec3f& d) { return 0.9f + 0.3f * d.y + 0.15f * d.z; }
+
 // The directions of the sky's pixels.
 Vec3f sky_direction(std::uint32_t x, std::uint32_t y) {
     return sphere_from_square({(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
+}
+
+LightDescription make_sky(float (*radiance)(const Vec3f&), const color::Spectrum& white, const ModelOptions& options) {
+    auto image = std::make_shared<ImageDescription>(ImageDescription{.width = kSide, .height = kSide});
+    for (std::uint32_t y = 0; y < kSide; ++y) {
+        for (std::uint32_t x = 0; x < kSide; ++x) image->rgb.insert(image->rgb.end(), 3, radiance(sky_direction(x, y)));
+    }
+    LightDescription sky;
+    sky.kind = LightKind::kInfinite;
+    sky.spectrum = white;
+    sky.image = std::move(image);
+    sky.world_from_light = world_from_stage(options);
+    return sky;
 }
 
 // From above, over that of `white`.
@@ -60,7 +75,7 @@ double irradiance_of_ground() {
     for (std::uint32_t y = 0; y < kSide; ++y) {
         for (std::uint32_t x = 0; x < kSide; ++x) {
             const Vec3f d = sky_direction(x, y);
-            if (d.y > 0) sum += static_cast<double>(d.y * sky_radiance(d));
+            if (d.y > 0) sum += static_cast<double>(d.y * studio_radiance(d));
         }
     }
     return sum * 4 * std::numbers::pi / (kSide * kSide);
@@ -115,18 +130,11 @@ CameraDescription framing(std::span<const Vec3d> points, const FilmDescription& 
 }
 
 LightDescription studio_sky(const color::Spectrum& white, const ModelOptions& options) {
-    auto image = std::make_shared<ImageDescription>(ImageDescription{.width = kSide, .height = kSide});
-    for (std::uint32_t y = 0; y < kSide; ++y) {
-        for (std::uint32_t x = 0; x < kSide; ++x) {
-            image->rgb.insert(image->rgb.end(), 3, sky_radiance(sky_direction(x, y)));
-        }
-    }
-    LightDescription sky;
-    sky.kind = LightKind::kInfinite;
-    sky.spectrum = white;
-    sky.image = std::move(image);
-    sky.world_from_light = world_from_stage(options);
-    return sky;
+    return make_sky(studio_radiance, white, options);
+}
+
+LightDescription room_sky(const color::Spectrum& white, const ModelOptions& options) {
+    return make_sky(room_radiance, white, options);
 }
 
 LoadedShape studio_ground(const Box& box, const ModelOptions& options, SceneDescription& scene) {

@@ -23,6 +23,11 @@ CameraDescription framing(std::span<const Vec3d> points, const FilmDescription& 
 // dark, so that mirrors show a gradient.
 LightDescription studio_sky(const color::Spectrum& white, const ModelOptions& options);
 
+// The sky for a camera that is closed in (cover.h). Its radiance in direction d of the stage, times that of `white`:
+//   0.9 + 0.3 d.y + 0.15 d.z
+// Even enough for a box that shows a sky, and uneven enough to tell the walls of a room apart.
+LightDescription room_sky(const color::Spectrum& white, const ModelOptions& options);
+
 // A disk below `box`, about eight times as wide, that fades towards its edge into the sky below the horizon: it has its 0.4
 // wherever the sky shines on it unhindered. Its material and its fading are added to the scene.
 LoadedShape studio_ground(const Box& box, const ModelOptions& options, SceneDescription& scene);
