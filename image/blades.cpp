@@ -20,7 +20,7 @@ Result<Blades> parse_blades(const NamedNumbers& named, std::string_view text) {
 }
 
 BladeOpening::BladeOpening(const Blades& blades, double radius) : radius_(radius), curvature_(blades.curvature) {
-    for (int i = 0; i < blades.count; ++i)
+    for (int i = 0; i < blades.count && curvature_ < 1; ++i)
         normals_.push_back(cos_sin_of_degrees(blades.rotation_degrees + (i + 0.5) * 360 / blades.count));
     if (blades.count > 0) apothem_ = radius * cos_sin_of_degrees(180.0 / blades.count)[0];
 }

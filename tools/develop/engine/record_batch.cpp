@@ -249,7 +249,7 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
 // A counting sort, which keeps the order of rows within a cell, without rows of zeros if there are many. x and y are positions on
 // the film. Returns how many of the rows have values that are not finite.
 std::uint64_t Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const {
-    constexpr std::size_t kAtOnce = 1024;  // rows whose values stay in the nearest cache
+    constexpr std::size_t kAtOnce = 512;  // rows whose values stay in the nearest cache
     moved.spaces.clear();
     for (std::uint32_t cell = 0; cell < moved.elsewhere(); ++cell) {
         moved.spaces.push_back({SegmentColumns::at(memory, moved.count[cell]), 0, moved.count[cell]});

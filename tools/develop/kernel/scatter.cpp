@@ -16,7 +16,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // The rows from i on, as many as there are lanes, of four values each.
 template <class D>
-void ScatterSome(D d, const ScatteredRows& rows, std::size_t i, bool drops_zeros, std::span<CellSpace> spaces) {
+HWY_INLINE void ScatterSome(D d, const ScatteredRows& rows, std::size_t i, bool drops_zeros, std::span<CellSpace> spaces) {
     const hn::Repartition<float, D> df;
     const auto bits_of = [&](auto mask) HWY_ATTR {
         std::uint64_t bits = 0;

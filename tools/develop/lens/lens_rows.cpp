@@ -15,7 +15,7 @@ namespace latent::develop {
 
 // Some records: where in the tables they find what they need, and what that is.
 struct Places {
-    static constexpr std::size_t kAtOnce = 256;
+    static constexpr std::size_t kAtOnce = 128;
     std::uint32_t cell[kAtOnce], step[kAtOnce], patch[kAtOnce];
     float after_step[kAtOnce];  // in steps
 };
@@ -119,8 +119,9 @@ void Combine(const LensTables& tables, const LensRows& rows, const Found& found,
             mean = hn::Add(hn::Add(corner, hn::Mul(right, to_right)), hn::Mul(down, hn::Add(downwards, hn::Mul(right, both))));
         }
         mean = hn::Mul(mean, hn::Set(d, tables.even_mean));
+        if (light == LightFactor::kTimesMean) return hn::StoreU(hn::Mul(weight, mean), d, light_factors + i);
         const auto over_mean = hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)), hn::Div(weight, mean));
-        hn::StoreU(light == LightFactor::kTimesMean ? hn::Mul(weight, mean) : over_mean, d, light_factors + i);
+        hn::StoreU(over_mean, d, light_factors + i);
     });
 }
 

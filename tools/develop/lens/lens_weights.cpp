@@ -99,46 +99,59 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
     const bool is_even = std::ranges::equal(passing, areas);
     if (!is_even) cells_ = cells.transmission;
-    set_means(LensSums(squares), disk);
+    set_means(passing, squares, disk);
     leaves_out_ = closed_somewhere && mean_ < kNearlyAll;
 }
 
-void LensWeights::set_means(const LensSums& square_sums, double disk) {
+// `passing`, `squares`: of each cell of the lens, its weight and the square of that, times its area.
+void LensWeights::set_means(const std::vector<double>& passing, const std::vector<double>& squares, double disk) {
     constexpr std::size_t kSide = Patch::kAcross;
     const std::size_t across = rim_u_ != 0 ? kSide + 1 : 1;
     const auto place = [across](std::size_t k) { return across > 1 ? static_cast<double>(k) / kSide : 0.5; };
     const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
         return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / kSide;
     };
-    std::vector<float> means;  // at the corners of the patches
-    double mean = 0, kept = 0;
-    for (std::size_t j = 0; j < across; ++j) {
-        std::vector<Moments> here(across);
-        for (std::size_t row = 0; row < kLensCells; ++row) {  // first, so that its sums stay in the nearest cache
+    std::vector<Moments> at_corners(across * across);  // of the patches
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        std::array<Moments, kLensCells + 2> left{};  // of each border of cells; one more is read at the end
+        for (std::size_t x = 0; x < kLensCells; ++x) {
+            const std::size_t cell = row * kLensCells + x;
+            left[x + 1] = {left[x].mean + passing[cell] / disk, left[x].square + squares[cell] / disk};
+        }
+        const auto left_of = [&left](double x) {
+            const auto border = static_cast<std::size_t>(static_cast<int>(x));
+            const double part = x - static_cast<double>(border);
+            const Moments &here = left[border], &next = left[border + 1];
+            return Moments{here.mean + part * (next.mean - here.mean), here.square + part * (next.square - here.square)};
+        };
+        for (std::size_t j = 0; j < across; ++j) {
             const double chord = half_chord(middle_of_cell(row), place(j));
             for (std::size_t i = 0; i < across; ++i) {
                 const auto [begin, end] = in_rear_rim(chord, place(i));
-                here[i].mean += light_.rows_between(row, row + 1, begin, end);
-                here[i].square += square_sums.rows_between(row, row + 1, begin, end);
+                const Moments to_begin = left_of(begin), to_end = left_of(end);
+                Moments& corner = at_corners[j * across + i];
+                corner.mean += to_end.mean - to_begin.mean;
+                corner.square += to_end.square - to_begin.square;
             }
         }
+    }
+    double mean = 0, kept = 0;
+    for (std::size_t j = 0; j < across; ++j) {
         for (std::size_t i = 0; i < across; ++i) {
-            here[i].mean /= disk, here[i].square /= disk;
-            means.push_back(static_cast<float>(here[i].mean));
-            const double area = share(i) * share(j);
-            mean += area * here[i].mean;
-            kept += area * here[i].kept();
+            const Moments& corner = at_corners[j * across + i];
+            mean += share(i) * share(j) * corner.mean;
+            kept += share(i) * share(j) * corner.kept();
         }
     }
     mean_ *= mean;
     kept_ *= kept;
     if (across == 1) {
-        even_mean_ *= means[0];
+        even_mean_ *= static_cast<float>(at_corners[0].mean);
         return;
     }
     for (std::size_t j = 0; j < kSide; ++j) {
         for (std::size_t i = 0; i < kSide; ++i) {
-            const auto at = [&](std::size_t x, std::size_t y) { return means[y * across + x]; };
+            const auto at = [&](std::size_t x, std::size_t y) { return static_cast<float>(at_corners[y * across + x].mean); };
             const float corner = at(i, j), right = at(i + 1, j) - corner, down = at(i, j + 1) - corner;
             patches_.push_back({corner, right, down, at(i + 1, j + 1) - corner - right - down});
         }

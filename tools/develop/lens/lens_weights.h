@@ -86,7 +86,7 @@ class LensWeights {
     bool lens_closes() const { return !cells_.empty() || rim_u_ != 0; }
     void set_aperture(const Aperture& aperture, double film_width, double film_height);
     void set_shutter(const Shutter& shutter, const ShutterCurve& curve);
-    void set_means(const LensSums& square_sums, double disk);
+    void set_means(const std::vector<double>& passing, const std::vector<double>& squares, double disk);
     LensTables tables() const;
     float share_on_film(double u, double v) const;
     std::array<double, 2> light_between(std::size_t first, std::size_t last, double begin, double end, double u, double v) const;
