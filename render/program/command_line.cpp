@@ -101,7 +101,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_parsed(
         app, "--resolution", line.settings.resolution, parse_resolution,
         "picture size in pixels to render for (default: the scene's); you can still develop any other size. It sets how "
-        "many samples --spp makes, and how finely textures are filtered")
+        "many samples --spp makes, the pixels that they fill, and how finely textures are filtered")
         ->type_name("WxH");
     cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", line.settings.integrator,
                                                    {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},

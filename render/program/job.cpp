@@ -141,7 +141,7 @@ std::string other_shape(const Resolution& pixels, const FilmDescription& film) {
     const std::uint32_t divisor = std::gcd(film.width, film.height);
     return fmt::format(
         "--resolution {}x{}: the picture keeps the shape of the scene's film, {}:{}, neither stretched nor cropped; only the "
-        "number of samples and the filtering of textures follow --resolution",
+        "samples and the filtering of textures follow --resolution",
         pixels.width, pixels.height, film.width / divisor, film.height / divisor);
 }
 

@@ -30,7 +30,8 @@ constexpr std::array<std::uint32_t, kNumberMatrices> kRoles = {
 };
 // Column j of a matrix of Sobol's sequence, digits from the lowest bit on. The first `degree` columns are given by odd numbers, the
 // others follow from a polynomial whose coefficients but the first and the last are the bits of `inner` [Joe08].
-constexpr std::array<std::uint32_t, 32> sobol(std::uint32_t degree, std::uint32_t inner, const std::array<std::uint32_t, 4>& first) {
+constexpr std::array<std::uint32_t, 32> sobol(std::uint32_t degree, std::uint32_t inner,
+                                              const std::array<std::uint32_t, 4>& first) {
     std::array<std::uint32_t, 32> columns{};
     for (std::uint32_t j = 0; j < 32; ++j) {
         if (degree == 0) {  // the first dimension
@@ -47,7 +48,7 @@ constexpr std::array<std::uint32_t, 32> sobol(std::uint32_t degree, std::uint32_
     return columns;
 }
 constexpr std::array<std::array<std::uint32_t, 32>, 7> kSobol = {
-    sobol(0, 0, {}),           sobol(1, 0, {1}),          sobol(2, 1, {1, 3}),        sobol(3, 1, {1, 3, 1}),
+    sobol(0, 0, {}),        sobol(1, 0, {1}),          sobol(2, 1, {1, 3}),       sobol(3, 1, {1, 3, 1}),
     sobol(3, 2, {1, 1, 1}), sobol(4, 1, {1, 1, 3, 3}), sobol(4, 4, {1, 3, 5, 13})};
 
 // In the order of the dimensions of Sobol's sequence.
@@ -78,7 +79,7 @@ std::uint32_t product(const std::array<std::uint32_t, 32>& columns, std::uint32_
 }  // namespace
 
 PixelSampler::PixelSampler(const sampledb::PositionSamplerSpec& positions, std::uint64_t seed)
-    : Sampler(seed), lattice_(positions), pixels_(std::uint64_t{positions.width} * positions.height) {
+    : Sampler(seed), lattice_(positions) {
     for (std::size_t i = 0; i < kRoles.size(); ++i) set_spread(kRoles[i], i);
     for (std::size_t i = 0; i < kStarts.size(); ++i) set_spread(kStarts[i], kRoles.size() + i);
 }
@@ -97,7 +98,8 @@ Uniform PixelSampler::spread(std::uint32_t as, const Key& key, std::uint64_t ran
 std::uint32_t PixelSampler::at_pass(std::uint32_t matrix, const Key& key) const {
     const auto& [x, y, pass] = key.place;
     const std::uint64_t pixel = mix(seed_ + (pass >> 32) * kGolden + (std::uint64_t{y} << 32 | x));
-    return scrambled(product(kNumberMatrix[matrix], static_cast<std::uint32_t>(pass)), static_cast<std::uint32_t>(mix(pixel + matrix * kGolden)));
+    return scrambled(product(kNumberMatrix[matrix], static_cast<std::uint32_t>(pass)),
+                     static_cast<std::uint32_t>(mix(pixel + matrix * kGolden)));
 }
 
 std::uint32_t PixelSampler::at_start(std::uint32_t number, const Key& key) const {

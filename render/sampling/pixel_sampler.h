@@ -7,11 +7,11 @@
 
 namespace latent::render {
 
-// The numbers of a sample are digital sequences at its pass, the number of samples that its pixel had before. Each is Owen-scrambled
-// by a key of the seed, the pixel and the number [Owen95], with the hash of [Burley20] and [Vegdahl21].
+// The numbers of a sample are digital sequences at its pass, the number of samples that its pixel had before. Each is
+// Owen-scrambled by a key of the seed, the pixel and the number [Owen95], with the hash of [Burley20] and [Vegdahl21].
 //
-// The ray that a light subpath starts with has nothing to do with the pixel: its numbers are well spread over each pass, and over
-// the passes of each pixel. Both are scrambled (0,2)-sequences, the first at a shuffled place in the pass, and added digit by digit.
+// The ray that a light subpath starts with, and the first step from there, have nothing to do with the pixel: their numbers are the
+// first dimensions of Sobol's sequence, scrambled alike, at a shuffled sample number.
 class PixelSampler final : public Sampler {
  public:
     PixelSampler(const sampledb::PositionSamplerSpec& positions, std::uint64_t seed);
@@ -27,7 +27,6 @@ class PixelSampler final : public Sampler {
     std::uint32_t at_start(std::uint32_t number, const Key& key) const;
 
     sampledb::PixelLattice lattice_;
-    std::uint64_t pixels_;
 };
 
 }  // namespace latent::render

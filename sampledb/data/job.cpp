@@ -73,7 +73,10 @@ std::string_view differing_field(const Job& a, const Job& b) {
     if (a.run_samples != b.run_samples) return "the number of samples per run";
     if (a.run_bytes != b.run_bytes) return "the cap of a run's bytes";
     if (a.precision != b.precision) return "the precision of values";
-    if (!(a.positions == b.positions)) return "the position sampler";
+    if (a.positions.sampler != b.positions.sampler) return "the position sampler";
+    if (a.positions.width != b.positions.width || a.positions.height != b.positions.height)
+        return "the picture size that samples are spread over";
+    if (!(a.positions == b.positions)) return "the seed of the positions";
     if (a.extra != b.extra) return "the list of extra columns";
     return "";
 }
