@@ -44,6 +44,7 @@ MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Paramete
     : base_(&base),
       specular_color_(specular_color),
       multiscatter_(p.multiscatter && p.film.share == 0),
+      mirrors_(p.metallic >= 1 && p.coat <= 0 && Microfacets{p.brushing.alpha_along(p.alpha), p.alpha}.are_smooth()),
       brightest_(base.max()),
       metallic_(p.metallic),
       f0_(p.f0),
@@ -104,6 +105,12 @@ SampledSpectrum MetallicRoughness::filmed_surface(float mu, float mu_light, floa
         return (1 - metallic_) * (body + d * covered(f.f0.v[i], f90_, f.dielectric_eta.v[i])) +
                metallic_ * d * covered(base_->v[i], 1, f.metal_eta.v[i]);
     });
+}
+
+SampledSpectrum MetallicRoughness::reflectance(float c) const {
+    if (filmed_ != nullptr) return filmed_surface(c, c, c, 1);
+    const float rise = schlick_rise(c);
+    return spectrum_of([&](std::uint32_t i) { return base_->v[i] + (1 - base_->v[i]) * rise; });
 }
 
 SampledSpectrum MetallicRoughness::multiscatter_surface(float mu, float mu_light, float c, float d) const {
@@ -198,7 +205,14 @@ float MetallicRoughness::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
     return pdf;
 }
 
-bool MetallicRoughness::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
+bool MetallicRoughness::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
+    if (mirrors_) {
+        out.wi = {-wo.x, -wo.y, wo.z};
+        out.delta = true;
+        out.probability = out.probability_reverse = 1;
+        weight *= reflectance(std::abs(wo.z));
+        return true;
+    }
     const Lobes p = lobes(wo);
     const auto mirrored = [&](const Microfacets& facets, const Vec3f& w) {
         const Vec3f m = facets.sample_visible(w, u, v);

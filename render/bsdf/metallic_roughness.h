@@ -38,7 +38,8 @@ class MetallicRoughness {
         ThinFilm film{};
         bool multiscatter = false;
     };
-    // Facets are never smoother than kMinAlpha: a mirror would leave the rest of the surface undrawn.
+    // Metal alone is a mirror if it is smooth. What lies on a body or below a coat has facets that are never smoother than
+    // kMinAlpha: a mirror would leave the rest of the surface undrawn.
     static constexpr float kMinAlpha = 0.002f;
     explicit MetallicRoughness(const Values<MetallicRoughness>& v);
     template <class C>
@@ -49,8 +50,14 @@ class MetallicRoughness {
     MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters, const SampledSpectrum* specular_color = nullptr,
                       SampledSpectra* spectra = nullptr);
 
-    bool is_delta() const { return false; }
+    bool is_delta() const { return mirrors_; }
     bool is_coated() const { return coat_ > 0; }
+    // The same with facets, however smooth the metal.
+    MetallicRoughness with_facets() const {
+        MetallicRoughness out = *this;
+        out.mirrors_ = false;
+        return out;
+    }
     // The same, whose coat has this normal.
     MetallicRoughness with_coat_normal(const Vec3f& n) const {
         MetallicRoughness out = *this;
@@ -82,12 +89,14 @@ class MetallicRoughness {
     Filmed filmed(const ThinFilm& film, const Wavelengths& wavelengths) const;
     // The albedo of the dielectric's facets in each wavelength.
     SampledSpectrum filmed_albedo(const FacetWeights& weights) const;
+    // By a mirror, at cosine c.
+    SampledSpectrum reflectance(float c) const;
     // What lies below the coat, f without the base's cosine. c: at the facets; d: D G / (4 cos cos), 0 if there are none between.
     SampledSpectrum filmed_surface(float mu, float mu_light, float c, float d) const;
     SampledSpectrum multiscatter_surface(float mu, float mu_light, float c, float d) const;
 
     const SampledSpectrum *base_, *specular_color_;
-    bool multiscatter_;
+    bool multiscatter_, mirrors_;
     float brightest_, metallic_, f0_, f90_, coat_, alpha_;  // alpha: of isotropic facets of the same albedo, about
     Brushing brushing_;
     const Filmed* filmed_ = nullptr;

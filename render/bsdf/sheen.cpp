@@ -74,7 +74,7 @@ float albedo_of_fibres(float mu, float alpha) {
 }  // namespace
 
 Sheen::Sheen(const Values<Sheen>& v)
-    : Sheen(State{MetallicRoughness(v.of<MetallicRoughness>()), &v.spectrum("sheen.color"),
+    : Sheen(State{MetallicRoughness(v.of<MetallicRoughness>()).with_facets(), &v.spectrum("sheen.color"),
                   v.number("sheen.roughness") * v.number("sheen.roughness")}) {}
 
 Sheen::Sheen(const State& state) : state_(state), alpha_(std::max(state.alpha, kMinAlpha)) {

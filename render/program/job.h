@@ -17,7 +17,7 @@
 namespace latent::render {
 
 // Raised by every change of the code that changes the value of a record: files of different epochs are different jobs.
-inline constexpr std::uint32_t kRenderEpoch = 13;
+inline constexpr std::uint32_t kRenderEpoch = 14;
 
 struct Resolution {
     std::uint32_t width, height;

@@ -44,13 +44,14 @@ TEST(Backdrop, ItHidesNoLight) {
     EXPECT_EQ(luminances(before_backdrop(kPinhole, "", world)), luminances(scene_from(text_of(kPinhole, "", world))));
 }
 
-// Under a sky of radiance 1, what is matt shows its reflectance; glass shows that of the backdrop.
+// Under a sky of radiance 1, what is matt shows its reflectance; smooth metal and glass show that of the backdrop.
 TEST(Backdrop, ItIsSeenInMirrorsAndThroughGlassAndLightsNothing) {
     struct Case {
         const char* thing;
         bool shows_backdrop;
     };
     for (const Case& c : {Case{R"(Material "diffuse" "spectrum reflectance" [360 0.5 830 0.5])", false},
+                          Case{R"(Material "latent:principled" "rgb color" [1 1 1] "float metallic" 1 "float roughness" 0)", true},
                           Case{R"(Material "dielectric")", true}, Case{R"(Material "thindielectric")", true}}) {
         for (const char* camera : {kPinhole, kLens}) {
             for (const char* emission : {"", kEmission}) {

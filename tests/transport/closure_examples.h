@@ -161,6 +161,8 @@ inline std::vector<Example<MetallicRoughness>> examples() {
     const ThinFilm oil{.share = 1, .eta = 1.4f, .thickness_nm = 400}, oxide{.share = 0.7f, .eta = 2.2f, .thickness_nm = 250};
     return {
         {.name = "metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.3f})},
+        {.name = "mirror", .scatters = M(v.falling, {.metallic = 1, .alpha = 0})},
+        {.name = "mirror under oxide", .scatters = M(v.falling, {.metallic = 1, .alpha = 0, .film = oxide}, nullptr, &sampled())},
         {.name = "plastic", .scatters = M(v.falling, {.alpha = 0.1f})},
         {.name = "plastic with a coloured mirror", .scatters = M(v.falling, {.alpha = 0.3f, .f0 = 0.4f}, &v.rising)},
         {.name = "white clay", .scatters = M(v.white, {.alpha = 0.8f, .f0 = 0.2f})},
