@@ -6,13 +6,17 @@
 
 namespace latent::color {
 
-RgbLattice::RgbLattice(const RgbToSpectrum& rgb) {
-    const auto value = [](int i) { return static_cast<double>(i) / kCells; };
-    for (int r = 0; r <= kCells; ++r) {
-        for (int g = 0; g <= kCells; ++g) {
-            for (int b = 0; b <= kCells; ++b) nodes_.push_back(rgb.reflectance({value(r), value(g), value(b)}));
+const SigmoidSpectrum& RgbLattice::at(std::size_t index) const {
+    Node& node = nodes_[index];
+    if (!node.is_solved.load(std::memory_order_acquire)) {
+        const std::lock_guard lock(solving_);
+        if (!node.is_solved.load(std::memory_order_relaxed)) {
+            const auto value = [](std::size_t i) { return static_cast<double>(i % kSide) / kCells; };
+            node.spectrum = rgb_.reflectance({value(index / (kSide * kSide)), value(index / kSide), value(index)});
+            node.is_solved.store(true, std::memory_order_release);
         }
     }
+    return node.spectrum;
 }
 
 const RgbLattice& RgbLattice::srgb() {
@@ -21,13 +25,13 @@ const RgbLattice& RgbLattice::srgb() {
 }
 
 RgbLattice::Blend RgbLattice::reflectance(float r, float g, float b) const {
-    constexpr int kStride[3] = {(kCells + 1) * (kCells + 1), kCells + 1, 1};
-    int corner = 0;
-    std::array<std::pair<float, int>, 3> inside;  // how far along each axis of the cell, and the step along it
+    constexpr std::size_t kStride[3] = {kSide * kSide, kSide, 1};
+    std::size_t corner = 0;
+    std::array<std::pair<float, std::size_t>, 3> inside;  // how far along each axis of the cell, and the step along it
     const float rgb[3] = {r, g, b};
     for (std::size_t i = 0; i < 3; ++i) {
         const float x = (rgb[i] > 0 ? std::min(rgb[i], 1.0f) : 0) * kCells;
-        const int cell = std::min(static_cast<int>(x), kCells - 1);
+        const std::size_t cell = std::min(static_cast<std::size_t>(x), kCells - 1);
         corner += cell * kStride[i];
         inside[i] = {x - static_cast<float>(cell), kStride[i]};
     }
@@ -37,7 +41,7 @@ RgbLattice::Blend RgbLattice::reflectance(float r, float g, float b) const {
     Blend blend;
     const float upper[5] = {1, inside[0].first, inside[1].first, inside[2].first, 0};
     for (std::size_t i = 0; i < 4; ++i) {
-        blend.node[i] = &nodes_[static_cast<std::size_t>(corner)];
+        blend.node[i] = &at(corner);
         blend.weight[i] = upper[i] - upper[i + 1];
         if (i < 3) corner += inside[i].second;
     }

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <array>
-#include <vector>
+#include <atomic>
+#include <mutex>
 
 #include "color/rgb_to_spectrum.h"
 
@@ -10,11 +11,12 @@ namespace latent::color {
 
 // Reflectances of the colours of a lattice in the RGB cube, between which others are interpolated: over the tetrahedron whose edges
 // are the greys and the differences of sorted components. Colours are linear in the spectra, so each is met as exactly as those of
-// the lattice; greys stay constant; what lies between reflectances is one.
+// the lattice; greys stay constant; what lies between reflectances is one. A colour of the lattice is solved for when it is first
+// needed (40 microseconds). Any thread.
 class RgbLattice {
  public:
-    explicit RgbLattice(const RgbToSpectrum& rgb);
-    static const RgbLattice& srgb();  // under D65; made at the first call, in 0.2 s
+    explicit RgbLattice(const RgbToSpectrum& rgb) : rgb_(rgb) {}
+    static const RgbLattice& srgb();  // under D65
 
     // The spectrum of `rgb` is the sum of weight[i] (*node[i])(lambda). Components are clamped to [0,1] first.
     struct Blend {
@@ -24,8 +26,17 @@ class RgbLattice {
     Blend reflectance(float r, float g, float b) const;
 
  private:
-    static constexpr int kCells = 16;
-    std::vector<SigmoidSpectrum> nodes_;  // (r (kCells + 1) + g) (kCells + 1) + b
+    static constexpr std::size_t kCells = 16, kSide = kCells + 1;
+
+    struct Node {
+        std::atomic<bool> is_solved = false;
+        SigmoidSpectrum spectrum;
+    };
+    const SigmoidSpectrum& at(std::size_t index) const;
+
+    RgbToSpectrum rgb_;
+    mutable std::mutex solving_;
+    mutable std::array<Node, kSide * kSide * kSide> nodes_;  // (r kSide + g) kSide + b
 };
 
 }  // namespace latent::color
