@@ -79,7 +79,7 @@ std::uint32_t product(const std::array<std::uint32_t, 32>& columns, std::uint32_
 }  // namespace
 
 PixelSampler::PixelSampler(const sampledb::PositionSamplerSpec& positions, std::uint64_t seed)
-    : Sampler(seed), lattice_(positions) {
+    : Sampler(seed), lattice_(positions), pixel_seed_(mix(seed + 0xbb67ae8584caa73bu)) {
     for (std::size_t i = 0; i < kRoles.size(); ++i) set_spread(kRoles[i], i);
     for (std::size_t i = 0; i < kStarts.size(); ++i) set_spread(kStarts[i], kRoles.size() + i);
 }
@@ -97,7 +97,7 @@ Uniform PixelSampler::spread(std::uint32_t as, const Key& key, std::uint64_t ran
 
 std::uint32_t PixelSampler::at_pass(std::uint32_t matrix, const Key& key) const {
     const auto& [x, y, pass] = key.place;
-    const std::uint64_t pixel = mix(seed_ + (pass >> 32) * kGolden + (std::uint64_t{y} << 32 | x));
+    const std::uint64_t pixel = mix(pixel_seed_ + (pass >> 32) * kGolden + (std::uint64_t{y} << 32 | x));
     return scrambled(product(kNumberMatrix[matrix], static_cast<std::uint32_t>(pass)),
                      static_cast<std::uint32_t>(mix(pixel + matrix * kGolden)));
 }
