@@ -113,6 +113,27 @@ TEST(Sampler, SamplesOfOnePixelAreStratified) {
     }
 }
 
+// Of 256 passes, the numbers of any two dimensions are in each of 4 x 4 boxes: neither tells where the other is.
+TEST(Sampler, NoTwoNumbersOfAPixelGoTogether) {
+    constexpr std::uint32_t kPasses = 256;
+    std::vector<std::uint32_t> dimensions = {D::kXi, D::kKeptWavelength, D::kLensU, D::kLensV, D::kTime};
+    for (const std::uint32_t vertex : {0u, 1u}) {
+        for (std::uint32_t what = 0; what < D::kBlock; ++what) dimensions.push_back(D::of_camera_vertex(vertex, what));
+    }
+    const PixelSampler sampler({sampledb::PositionSampler::kPixels, 0, 0, 2, 2}, 7);
+    for (std::uint64_t n = 0; n < 4; ++n) {
+        for (const std::uint32_t a : dimensions) {
+            for (const std::uint32_t b : dimensions) {
+                if (a == b) continue;
+                std::array<int, 16> count{};
+                for (std::uint64_t pass = 0; pass < kPasses; ++pass)
+                    ++count[sampler.at(4 * pass + n, a).index(4) * 4 + sampler.at(4 * pass + n, b).index(4)];
+                ASSERT_GT(*std::ranges::min_element(count), 0) << a << ", " << b;
+            }
+        }
+    }
+}
+
 TEST(Sampler, IsAFunctionOfSeedSampleAndDimension) {
     const auto first = samplers(1), again = samplers(1), other = samplers(2);
     for (std::size_t i = 0; i < first.size(); ++i) {
