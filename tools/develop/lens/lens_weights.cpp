@@ -70,7 +70,7 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
         if (!weights.time_column_)
             return usage_error(
                 fmt::format("{}: the files do not say when light met the lens; render the scene again with --aov "
-                            "time; something in it must move",
+                            "time (something in it must move)",
                             choice.shutter.frames > 1 ? "--frames" : "--shutter"));
         Result<ShutterCurve> curve = ShutterCurve::make(choice.shutter);
         if (!curve) return curve.error();
