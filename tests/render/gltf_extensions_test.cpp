@@ -252,11 +252,11 @@ TEST_F(GltfExtensions, AWebpPictureGoesBeforeTheOneForOtherReaders) {
 }
 
 TEST_F(GltfExtensions, ASpecularTextureScalesTheMirrorOfADielectric) {
-    testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    folder_.write("a.tga", testing::tga({128}));
     GltfFile file =
         triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
                   {"extensions", {{"KHR_materials_specular", {{"specularFactor", .5}, {"specularTexture", {{"index", 0}}}}}}}});
-    file.json["images"] = {{{"uri", "a.exr"}}};
+    file.json["images"] = {{{"uri", "a.tga"}}};
     file.json["textures"] = {{{"source", 0}}};
     const SceneDescription scene = described(file);
     const TextureDescription &f0 = scene.textures.at(material(scene).number("f0").texture),

@@ -332,9 +332,9 @@ TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
 }
 
 TEST_F(Models, AlphaOfTheBaseColourIsThatOfShapes) {
-    testing::write_exr(folder_ / "leaf.exr", 2, 1, {0.5f, 0.25f, 0.125f, 1, 0, 0});
+    folder_.write("leaf.tga", testing::tga({255, 0}));
     GltfFile file = quad_and_lamp();
-    file.json["images"] = {{{"uri", "leaf.exr"}}};
+    file.json["images"] = {{{"uri", "leaf.tga"}}};
     file.json["textures"] = {{{"source", 0}}};
     const auto alpha = [&](const Json& mode, bool textured, SceneDescription& scene) {
         file.json["materials"][0] = {{"alphaMode", mode}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, .75}}}}};
@@ -356,7 +356,16 @@ TEST_F(Models, AlphaOfTheBaseColourIsThatOfShapes) {
     EXPECT_EQ(mask.amount.value, 0.5f);
     EXPECT_EQ(scene.textures.at(mask.numbers[0].texture).picture.channel, 3);
 
-    folder_.write("m.mtl", "newmtl m\nd .25\nmap_d leaf.exr\n");
+    // A picture without alpha, or with none below 1, hides nothing.
+    folder_.write("leaf.tga", testing::tga({255, 255}));
+    testing::write_exr(folder_ / "wall.exr", 2, 1, {0.5f, 0.25f, 0.125f, 1, 0, 0});
+    for (const char* opaque : {"leaf.tga", "wall.exr"}) {
+        file.json["images"] = {{{"uri", opaque}}};
+        EXPECT_EQ(alpha("BLEND", true, scene).value, 0.75f);
+        EXPECT_EQ(alpha("MASK", true, scene).value, 1);
+    }
+
+    folder_.write("m.mtl", "newmtl m\nd .25\nmap_d leaf.tga\n");
     const SceneDescription model = described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
     EXPECT_EQ(model.materials.at(model.shapes.at(0).material).type, "diffuse");
     EXPECT_EQ(model.textures.at(model.shapes.at(0).alpha.texture).tint[0], 0.25);

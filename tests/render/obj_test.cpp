@@ -13,6 +13,7 @@ using ::testing::ElementsAre;
 using testing::Folder;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::tga;
 
 class Obj : public ::testing::Test {
  protected:
@@ -335,19 +336,6 @@ TEST_F(Obj, TheOpacityOfIllum9IsThatOfItsSurface) {
     EXPECT_EQ(scene.materials.at(scene.shapes.at(0).material).type, "metallicroughness");
     EXPECT_EQ(scene.shapes[0].alpha.value, 0.75f);
     EXPECT_EQ(material("illum 9\n").type, "dielectric");
-}
-
-// An uncompressed TGA of one row with these alphas; it is white unless greys are given.
-std::string tga(const std::vector<int>& alphas, const std::vector<int>& greys = {}) {
-    std::string out(18, '\0');
-    out[2] = 2;
-    out[12] = static_cast<char>(alphas.size());
-    out[14] = 1;
-    out[16] = 32;
-    out[17] = 8;
-    for (std::size_t i = 0; i < alphas.size(); ++i)
-        out += std::string(3, static_cast<char>(greys.empty() ? 255 : greys[i])) + static_cast<char>(alphas[i]);
-    return out;
 }
 
 TEST_F(Obj, TheAlphaOfAPictureIsTheOpacityWhereNoMapSaysIt) {

@@ -31,6 +31,19 @@ inline void write_exr(const std::filesystem::path& path, int width, int height, 
     ASSERT_TRUE(writer && (*writer)->write_rows(std::as_bytes(std::span(rgb))) && (*writer)->finish() && (*writer)->publish());
 }
 
+// An uncompressed TGA of one row with these alphas; it is white unless greys are given.
+inline std::string tga(const std::vector<int>& alphas, const std::vector<int>& greys = {}) {
+    std::string out(18, '\0');
+    out[2] = 2;
+    out[12] = static_cast<char>(alphas.size());
+    out[14] = 1;
+    out[16] = 32;
+    out[17] = 8;
+    for (std::size_t i = 0; i < alphas.size(); ++i)
+        out += std::string(3, static_cast<char>(greys.empty() ? 255 : greys[i])) + static_cast<char>(alphas[i]);
+    return out;
+}
+
 // The same scene with every place as the file has it, counted from the origin of the world, objects from theirs.
 inline SceneDescription in_world(SceneDescription scene) {
     const auto put_back = [](std::vector<ShapeDescription>& shapes, const Vec3d& origin) {

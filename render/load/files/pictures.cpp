@@ -135,6 +135,13 @@ Result<AlphaUse> alpha_use(const std::filesystem::path& path, const std::string&
     return AlphaUse::kOpacity;
 }
 
+bool is_opaque(const std::filesystem::path& path) {
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+    if (!pictures) return false;
+    const Result<image::PictureInfo> info = (*pictures)->open(path.string(), path.string(), {});
+    return info && info->is_opaque;
+}
+
 NormalUse normal_use(const std::filesystem::path& path, const std::string& in_messages) {
     constexpr double kNear = 0.15;
     const auto is_near = [&](bool is_srgb) {

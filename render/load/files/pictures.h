@@ -24,6 +24,9 @@ enum class AlphaUse : std::uint8_t { kUnused, kOpacity, kOther };
 // Errors: those of read_picture.
 Result<AlphaUse> alpha_use(const std::filesystem::path& path, const std::string& in_messages);
 
+// Whether a picture has no alpha, or one that is 1 everywhere. False also if it cannot be opened.
+bool is_opaque(const std::filesystem::path& path);
+
 // Whether the colours of a picture are, on the whole, near (1/2, 1/2, 1), as those of a normal map: as they are stored, or as
 // sRGB's curve decodes them, since some programs write normals as if they were colours. `kNothing` also if it cannot be read.
 enum class NormalUse : std::uint8_t { kNothing, kAsStored, kAsSrgb };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/load/files/pictures.h"
 #include "render/load/gltf/accessors.h"
 
 namespace latent::render {
@@ -74,7 +75,14 @@ SpectrumInput GltfTextures::color(const GltfValue& info, const LinearRgb& factor
 FloatInput GltfTextures::number(const GltfValue& info, PictureChannel channel, double factor, VertexColors vertices) {
     const bool by_vertices =
         channel == PictureChannel::kAlpha ? vertices == VertexColors::kRgba : vertices != VertexColors::kAbsent;
-    return values_.number(read(info), channel, factor, by_vertices);
+    std::optional<TextureDescription> picture = read(info);
+    if (channel == PictureChannel::kAlpha && picture && has_no_alpha(picture->picture.path)) picture.reset();
+    return values_.number(std::move(picture), channel, factor, by_vertices);
+}
+
+bool GltfTextures::has_no_alpha(const std::string& path) {
+    const auto known = opaque_.find(path);
+    return known != opaque_.end() ? known->second : opaque_.emplace(path, is_opaque(path)).first->second;
 }
 
 FloatInput GltfTextures::inverted(const GltfValue& info, PictureChannel channel, double factor) {

@@ -52,12 +52,14 @@ class GltfTextures {
  private:
     std::optional<TextureDescription> read(const GltfValue& info);
     std::uint32_t index_of_set(const GltfValue& info);
+    bool has_no_alpha(const std::string& path);
     const std::optional<PictureDescription>& picture(std::uint32_t image);
     std::optional<PictureDescription> embedded(const GltfValue& image, const std::string& bytes);
 
     const GltfDocument& document_;
     ModelValues values_;
     std::map<std::uint32_t, std::optional<PictureDescription>> pictures_;  // by index of /images
+    std::map<std::string, bool> opaque_;  // by path
     std::vector<File> embedded_;
     std::vector<std::uint32_t> uv_sets_;
 };
