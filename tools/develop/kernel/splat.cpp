@@ -58,11 +58,12 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
                     double* HWY_RESTRICT window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
+    const double scale = Shape::kWeights == Weights::kUnitSum ? inverse_sum(weights, shape.side()) : 1;
     for (int entry = 0; entry < shape.added(); entry += static_cast<int>(hn::Lanes(d))) {
         const auto value = hn::LoadU(df, values + entry);
         if (Shape::kMayBeSquared && entry > 0 && hn::AllTrue(df, hn::Eq(value, hn::Zero(df)))) continue;  // it adds nothing
         auto s = hn::PromoteTo(d, value);
-        if constexpr (Shape::kWeights == Weights::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side())));
+        if constexpr (Shape::kWeights == Weights::kUnitSum) s = hn::Mul(s, hn::Set(d, scale));
         double* row = window + entry;
         const double* w = weights;
         const auto add_pixel = [&](int x) HWY_ATTR {
@@ -235,12 +236,15 @@ void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weigh
         }
     };
     const int side = filter.covered;
-    const bool plain = entries.stride() == 4;
+    const int known_stride = entries.linear == entries.stride() ? entries.stride() : 0;
     const auto with_size = [&]<Weights kWeights>() {
-        if (side == 4 && plain) return with_shape(Shape<4, 4, kWeights>{side, entries});
-        if (side == 3 && plain) return with_shape(Shape<3, 4, kWeights>{side, entries});
-        if (side == 2 && plain) return with_shape(Shape<2, 4, kWeights>{side, entries});
-        if (side == 3) return with_shape(Shape<3, 0, kWeights>{side, entries});  // of the default filter, with layers
+        if (side == 4 && known_stride == 4) return with_shape(Shape<4, 4, kWeights>{side, entries});
+        if (side == 3 && known_stride == 4) return with_shape(Shape<3, 4, kWeights>{side, entries});
+        if (side == 2 && known_stride == 4) return with_shape(Shape<2, 4, kWeights>{side, entries});
+        // Of the default filter, with halves; with halves and what the denoiser knows of surfaces; with any layers.
+        if (side == 3 && known_stride == 8) return with_shape(Shape<3, 8, kWeights>{side, entries});
+        if (side == 3 && known_stride == 16) return with_shape(Shape<3, 16, kWeights>{side, entries});
+        if (side == 3) return with_shape(Shape<3, 0, kWeights>{side, entries});
         return with_shape(Shape<0, 0, kWeights>{side, entries});
     };
     switch (weights) {
