@@ -12,25 +12,28 @@ namespace latent::develop {
 
 namespace {
 
-// In single precision, which is that of pictures.
-float value_of(const sampledb::ExtraColumn& column, std::size_t row) {
-    const std::byte* const at = column.values.data() + row * sampledb::width(column.type);
+// Of rows begin .. end-1, in single precision, which is that of pictures.
+void read(const sampledb::ExtraColumn& column, std::size_t begin, std::size_t end, std::vector<float>& values) {
+    values.resize(end - begin);
+    const auto read_as = [&]<class T>(T) {
+        const std::byte* at = column.values.data() + begin * sizeof(T);
+        for (float& value : values) value = static_cast<float>(load_le<T>(at)), at += sizeof(T);
+    };
     using sampledb::ColumnType;
     switch (column.type) {
         case ColumnType::kU8:
-            return static_cast<float>(load_le<std::uint8_t>(at));
+            return read_as(std::uint8_t{});
         case ColumnType::kU16:
-            return static_cast<float>(load_le<std::uint16_t>(at));
+            return read_as(std::uint16_t{});
         case ColumnType::kU32:
-            return static_cast<float>(load_le<std::uint32_t>(at));
+            return read_as(std::uint32_t{});
         case ColumnType::kU64:
-            return static_cast<float>(load_le<std::uint64_t>(at));
+            return read_as(std::uint64_t{});
         case ColumnType::kF32:
-            return load_le<float>(at);
+            return read_as(float{});
         case ColumnType::kF64:
-            return static_cast<float>(load_le<double>(at));
+            return read_as(double{});
     }
-    return 0;
 }
 
 Error unknown_layer(const sampledb::Job& job, const std::string& name) {
@@ -74,31 +77,45 @@ Result<AovColumns> AovColumns::find(const sampledb::Job& job, const Layers& laye
     return columns;
 }
 
-void AovColumns::fill(const sampledb::Page& page, std::size_t row, float share, const RowLayout& layout, float* out) const {
-    const auto value = [&](Place column) { return value_of(page.extra[column], row); };
-    // False: not a number, or nothing.
-    const auto fill_vector = [&](const std::array<Place, 3>& columns, float* to) {
-        const std::array<float, 3> v = {value(columns[0]), value(columns[1]), value(columns[2])};
-        if (!std::ranges::all_of(v, [](float x) { return std::isfinite(x); })) return false;
-        for (std::size_t i = 0; i < 3; ++i) to[i] = share * v[i];
-        return v != std::array<float, 3>{};
+void AovColumns::fill(const sampledb::Page& page, std::size_t begin, std::size_t end, const RowLayout& layout, float* rows) const {
+    if (page.record_class == sampledb::RecordClass::kLight) return;
+    constexpr int kNone = -1;
+    thread_local std::array<std::vector<float>, 3> v;
+    const auto stride = static_cast<std::size_t>(layout.stride());
+    const auto for_rows = [&](const auto& visit) {  // visit(i, row, share)
+        for (std::size_t i = 0; i < end - begin; ++i) {
+            float* const row = rows + i * stride;
+            if (const float share = row[layout.share()]; share > 0) visit(i, row, share);
+        }
+    };
+    // `hits`: the entry for the share of those that are not zero.
+    const auto fill_vector = [&](const std::array<Place, 3>& columns, int entry, int hits) {
+        for (std::size_t c = 0; c < 3; ++c) read(page.extra[columns[c]], begin, end, v[c]);
+        for_rows([&](std::size_t i, float* row, float share) {
+            if (!std::isfinite(v[0][i] * 0 + v[1][i] * 0 + v[2][i] * 0)) return;
+            for (std::size_t c = 0; c < 3; ++c) row[entry + static_cast<int>(c)] = share * v[c][i];
+            if (hits != kNone && (v[0][i] != 0 || v[1][i] != 0 || v[2][i] != 0)) row[hits] = share;
+        });
+    };
+    const auto fill_number = [&](Place column, int entry) {
+        read(page.extra[column], begin, end, v[0]);
+        for_rows([&](std::size_t i, float* row, float share) {
+            if (std::isfinite(v[0][i])) row[entry] = share * v[0][i], row[entry + 1] = share;
+        });
     };
     const Layers& layers = layout.layers;
-    if (layers.albedo) fill_vector(albedo_, out + layout.albedo());
-    if (layers.normal) fill_vector(normal_, out + layout.normal());
-    if (layers.position && fill_vector(position_, out + layout.position())) out[layout.position() + 3] = share;
-    if (layers.depth) {
-        const float depth = value(depth_);
-        if (std::isfinite(depth)) out[layout.depth()] = share * depth, out[layout.depth() + 1] = share;
-    }
-    for (std::size_t i = 0; i < others_.size(); ++i) {
-        const float x = value(others_[i]);
-        if (std::isfinite(x)) out[layout.column(i)] = share * x, out[layout.column(i) + 1] = share;
-    }
-    if (layers.id) {
-        float* const chosen = out + layout.chosen();
-        chosen[0] = 1, chosen[1] = value(object_), chosen[2] = value(material_);
-    }
+    if (layers.albedo) fill_vector(albedo_, layout.albedo(), kNone);
+    if (layers.normal) fill_vector(normal_, layout.normal(), kNone);
+    if (layers.position) fill_vector(position_, layout.position(), layout.position() + 3);
+    if (layers.depth) fill_number(depth_, layout.depth());
+    for (std::size_t i = 0; i < others_.size(); ++i) fill_number(others_[i], layout.column(i));
+    if (!layers.id) return;
+    read(page.extra[object_], begin, end, v[0]);
+    read(page.extra[material_], begin, end, v[1]);
+    for_rows([&](std::size_t i, float* row, float) {
+        float* const chosen = row + layout.chosen();
+        chosen[0] = 1, chosen[1] = v[0][i], chosen[2] = v[1][i];
+    });
 }
 
 }  // namespace latent::develop

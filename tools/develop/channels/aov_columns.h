@@ -20,8 +20,9 @@ class AovColumns {
 
     const sampledb::ExtraSet& columns() const { return columns_; }
 
-    // Fills the entries of a camera record's row: means of layers are over shares. Values that are not finite are nothing.
-    void fill(const sampledb::Page& page, std::size_t row, float share, const RowLayout& layout, float* out) const;
+    // Fills the entries of rows begin .. end-1, which have their shares: means of layers are over these. Values that are not finite
+    // are nothing, as are those of rows without a share.
+    void fill(const sampledb::Page& page, std::size_t begin, std::size_t end, const RowLayout& layout, float* rows) const;
 
  private:
     using Place = std::size_t;  // among the extra columns

@@ -176,7 +176,7 @@ void Channels::spectral_row(const GroupLight& light, const sampledb::Page& page,
     for (std::size_t i = 0; i < n; ++i) add_pair(light, lambda[i], power[i], out);
 }
 
-// The entries behind the share.
+// Makes one row of those of a sample, and fills the entries that are of samples.
 void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
@@ -192,11 +192,6 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
             for (int entry = 0; entry < layout_.filled(); ++entry) move(entry);
             for (int entry = layout_.light(0); entry < layout_.albedo(); ++entry) move(entry);
         }
-        if (layout_.layers.halves && half_of(page.sample[row]) == 0) {
-            std::copy_n(first, layout_.linear(), first + layout_.half());
-            for (std::size_t group = 0; group < layout_.lights.size(); ++group)
-                std::copy_n(first + layout_.light(group), n, first + layout_.light_half(group));
-        }
         if (layout_.layers.variance && camera) {
             for (int c = 0; c < n; ++c) {
                 const float divisor = first[layout_.divisor(c)];
@@ -210,18 +205,45 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
     }
 }
 
+// The entries of half 0: all of them again, or zeros.
+void Channels::fill_halves(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
+    for (std::size_t row = begin; row < end; ++row, out += stride()) {
+        const float factor = half_of(page.sample[row]) == 0 ? 1 : 0;  // a branch would be mispredicted for every second row
+        const auto fill = [out, factor](int from, int to, int count) {
+            for (int i = 0; i < count; ++i) out[to + i] = factor * out[from + i];
+        };
+        fill(0, layout_.half(), layout_.linear());
+        for (std::size_t group = 0; group < layout_.lights.size(); ++group)
+            fill(layout_.light(group), layout_.light_half(group), layout_.light_values());
+    }
+}
+
 std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
+    const std::uint64_t not_finite = light_rows(page, begin, end, out);
+    if (layout_.layers.aovs()) aovs_.fill(page, begin, end, layout_, out);
+    if (layout_.layers.by_sample()) complete_rows(page, begin, end, out);
+    if (layout_.layers.halves) fill_halves(page, begin, end, out);
+    return not_finite;
+}
+
+// The light of rows, by groups too, and what divides it; zeros behind. Returns what `values` does.
+std::uint64_t Channels::light_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
-    float* const rows = out;
     thread_local LensWeights::Factors factors;
     const bool weighed = lens_ && lens_->weighs(page.record_class);
     if (weighed) lens_->factors(page, begin, end, factors);
-    if (step == 4 && !layout_.layers.samples && !group_column_ && kind_ == sampledb::RecordKind::kXyz &&
-        (!camera || page.unit_share) &&
-        interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f,
-                        weighed ? RowFactors{factors.value.data(), factors.share.data()} : RowFactors{}, out))
-        return 0;
+    if (kind_ == sampledb::RecordKind::kXyz && !group_column_ && (!camera || page.unit_share)) {
+        thread_local std::vector<float> fours;
+        fours.resize(step == 4 ? 0 : 4 * (end - begin));
+        float* const rows = step == 4 ? out : fours.data();
+        if (interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f,
+                            weighed ? RowFactors{factors.value.data(), factors.share.data()} : RowFactors{}, rows)) {
+            for (std::size_t i = 0; i < fours.size(); i += 4, out += step)
+                std::fill(std::copy_n(&fours[i], 4, out), out + step, 0.0f);
+            return 0;
+        }
+    }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
         std::fill(out, out + step, 0.0f);
@@ -248,13 +270,11 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
         }
         out[n] = share;
         if (group < layout_.lights.size()) std::copy_n(out, n, out + layout_.light(group));
-        if (layout_.layers.aovs() && share > 0) aovs_.fill(page, row, share, layout_, out);
         if (white_ && share > 0) {
             const std::array<float, 3> white = (*white_)(page.xi[row]);
             for (int c = 0; c < n; ++c) out[layout_.divisor(c)] = share * white[static_cast<std::size_t>(c)];
         }
     }
-    if (step > layout_.linear() || layout_.layers.samples) complete_rows(page, begin, end, rows);
     return not_finite;
 }
 

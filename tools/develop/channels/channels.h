@@ -74,7 +74,9 @@ class Channels {
     std::size_t group_of(const sampledb::Page& page, std::size_t row) const;
     void spectral_row(const GroupLight& light, const sampledb::Page& page, std::size_t row, float* out) const;
     void add_pair(const GroupLight& light, float lambda_nm, float power, float* out) const;
+    std::uint64_t light_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
     void complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
+    void fill_halves(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
 
     sampledb::RecordKind kind_ = sampledb::RecordKind::kXyz;
     RowLayout layout_;

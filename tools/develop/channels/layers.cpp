@@ -10,12 +10,6 @@ namespace latent::develop {
 
 namespace {
 
-std::uint64_t mix(std::uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
 constexpr Switch<Layers> kNames[] = {
     {"variance", &Layers::variance}, {"weight", &Layers::weight}, {"count", &Layers::count},   {"noisy", &Layers::noisy},
     {"lights", &Layers::lights},     {"albedo", &Layers::albedo}, {"normal", &Layers::normal}, {"depth", &Layers::depth},
@@ -40,8 +34,6 @@ Result<Layers> parse_layers(std::string_view text) {
         rest.remove_prefix(comma + 1);
     }
 }
-
-int half_of(std::uint64_t sample) { return static_cast<int>((mix(sample / 2) + sample) & 1); }
 
 std::uint64_t count_in_half(const sampledb::Coverage& coverage, int half) {
     std::uint64_t count = 0;

@@ -36,7 +36,12 @@ Result<Layers> parse_layers(std::string_view text);
 
 // Either half of the samples, 0 or 1: the lowest bit of h(n) = mix(n / 2) + n mod 2^64, with the finaliser of [SplitMix64]. Of two
 // neighbours 2i and 2i + 1, one lies in each half: so both are equally large, and can be counted without looking at each sample.
-int half_of(std::uint64_t sample);
+inline int half_of(std::uint64_t sample) {
+    std::uint64_t z = sample / 2;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return static_cast<int>(((z ^ (z >> 31)) + sample) & 1);
+}
 std::uint64_t count_in_half(const sampledb::Coverage& coverage, int half);
 
 // Sums of a pixel, and values of a record's row, `stride` of each: so many entries (multiples of 4) are weighted by the filter w,
