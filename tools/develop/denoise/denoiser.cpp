@@ -1,8 +1,12 @@
 #include "tools/develop/denoise/denoiser.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <numeric>
 #include <utility>
 
 #include "tools/develop/denoise/row_loops.h"
@@ -16,172 +20,218 @@ constexpr std::int64_t kPatch = 1;           // of what is compared around a pix
 constexpr std::int64_t kVarianceRadius = 2;  // of what a variance is measured in
 static_assert(kDenoiseReach == kRadius + kPatch + kVarianceRadius);
 
+constexpr std::int64_t kStrip = 32;  // rows that are denoised at once: what they take stays in the nearest caches
+
 constexpr float kNormal = 0.2f, kDepth = 0.04f, kAlbedo = 0.1f;  // differences of surfaces: of depth, relative and per pixel
 constexpr float kSquares = 6;                                    // of these, where weights end
 
-// Numbers of a rectangle of pixels.
+// Variance over squared value, at most, when pixels are compared. The light of one sample, or of few, cannot show how much it
+// varies: such a pixel would be like all others. Their light would go over to the dark.
+constexpr float kCertain = 0.25f;
+
+// Numbers of a rectangle of pixels; any, at first.
 class Plane {
  public:
-    explicit Plane(const PixelRect& pixels, float value = 0)
-        : pixels_(pixels), values_(static_cast<std::size_t>(pixels.width() * pixels.height()), value) {}
+    explicit Plane(const PixelRect& pixels)
+        : pixels_(pixels),
+          values_(std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(pixels.width() * pixels.height()))) {}
     // So that row(y)[x] is that of pixel (x, y).
-    float* row(std::int64_t y) { return values_.data() + (y - pixels_.y0) * pixels_.width() - pixels_.x0; }
-    const float* row(std::int64_t y) const { return values_.data() + (y - pixels_.y0) * pixels_.width() - pixels_.x0; }
+    float* row(std::int64_t y) { return values_.get() + (y - pixels_.y0) * pixels_.width() - pixels_.x0; }
+    const float* row(std::int64_t y) const { return values_.get() + (y - pixels_.y0) * pixels_.width() - pixels_.x0; }
     const PixelRect& pixels() const { return pixels_; }
 
  private:
     PixelRect pixels_;
-    std::vector<float> values_;
+    std::unique_ptr<float[]> values_;
 };
 
 PixelRect grown(const PixelRect& r, std::int64_t by) { return {r.x0 - by, r.y0 - by, r.x1 + by, r.y1 + by}; }
 PixelRect moved(const PixelRect& r, std::int64_t x, std::int64_t y) { return {r.x0 + x, r.y0 + y, r.x1 + x, r.y1 + y}; }
 
-template <class Value>  // of the values of a pixel
-Plane plane_of(const PixelRect& pixels, std::span<const float> values, std::size_t outputs, const Value& value) {
+// For each of `pixels`, what `make` makes of the numbers that `from` has there.
+template <class Make, class... From>
+Plane made(const PixelRect& pixels, const Make& make, const From&... from) {
     Plane plane(pixels);
-    const float* at = values.data();
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
-        float* const row = plane.row(y);
-        for (std::int64_t x = pixels.x0; x < pixels.x1; ++x, at += outputs) row[x] = value(at);
+        float* const to = plane.row(y);
+        const auto fill = [&](auto... rows) {
+            for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) to[x] = make(rows[x]...);
+        };
+        fill(from.row(y)...);
     }
     return plane;
 }
+float finite(float x) { return std::isfinite(x) ? x : 0.0f; }
 
-// Means over squares of 2 `radius` + 1, of their pixels that `plane` has. Each is added up in the same order, wherever the plane
-// begins.
-Plane means_around(const Plane& plane, const PixelRect& wanted, std::int64_t radius) {
-    const PixelRect& all = plane.pixels();
-    const PixelRect rows = intersection({wanted.x0, wanted.y0 - radius, wanted.x1, wanted.y1 + radius}, all);
-    Plane across(rows), means(wanted);
-    for (std::int64_t y = rows.y0; y < rows.y1; ++y) {
-        const float* const from = plane.row(y);
-        float* const to = across.row(y);
-        for (std::int64_t d = -radius; d <= radius; ++d) {
-            const std::int64_t first = std::max(rows.x0, all.x0 - d), end = std::min(rows.x1, all.x1 - d);
-            if (first < end) add_row(static_cast<std::size_t>(end - first), from + first + d, to + first);
+// How many of the places at most `radius` from each of first .. end-1 lie in `in_first` .. `in_end`-1.
+std::vector<float> counts_around(std::int64_t first, std::int64_t end, std::int64_t radius, std::int64_t in_first,
+                                 std::int64_t in_end) {
+    std::vector<float> counts;
+    for (std::int64_t at = first; at < end; ++at)
+        counts.push_back(static_cast<float>(std::min(at + radius + 1, in_end) - std::max(at - radius, in_first)));
+    return counts;
+}
+
+// Sums over squares of 2 `radius` + 1 around `wanted`, of their pixels in `counted`. fill(y, x, n, to) writes the numbers of n
+// pixels from (x, y) on. Each is added up in the same order, wherever `wanted` begins.
+template <class Fill>
+Plane sums_around(const PixelRect& wanted, std::int64_t radius, const PixelRect& counted, const Fill& fill) {
+    const auto n = static_cast<std::size_t>(wanted.width()), side = static_cast<std::size_t>(2 * radius + 1);
+    const PixelRect around = grown(wanted, radius), filled = intersection(around, counted);
+    Plane numbers = filled == around ? Plane(around) : made(around, [] { return 0.0f; });
+    Plane across({wanted.x0, around.y0, wanted.x1, around.y1}), sums(wanted);
+    for (std::int64_t y = filled.y0; y < filled.y1; ++y)
+        fill(y, filled.x0, static_cast<std::size_t>(filled.width()), numbers.row(y) + filled.x0);
+    for (std::int64_t y = around.y0; y < around.y1; ++y) add_up(n, side, numbers.row(y) + around.x0, 1, across.row(y) + wanted.x0);
+    for (std::int64_t y = wanted.y0; y < wanted.y1; ++y)
+        add_up(n, side, across.row(y - radius) + wanted.x0, n, sums.row(y) + wanted.x0);
+    return sums;
+}
+
+// The variance of the mean of two halves, which is measured around each pixel.
+Plane variance_of(const Plane& half0, const Plane& half1, const PixelRect& wanted) {
+    const PixelRect& held = half0.pixels();
+    Plane variance = sums_around(wanted, kVarianceRadius, held, [&](std::int64_t y, std::int64_t x, std::size_t n, float* to) {
+        const float *const a = half0.row(y) + x, *const b = half1.row(y) + x;
+        for (std::size_t i = 0; i < n; ++i) {
+            const float error = (a[i] - b[i]) * 0.5f;
+            to[i] = error * error;
         }
-    }
+    });
+    const std::vector<float> columns = counts_around(wanted.x0, wanted.x1, kVarianceRadius, held.x0, held.x1),
+                             rows = counts_around(wanted.y0, wanted.y1, kVarianceRadius, held.y0, held.y1);
     for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
-        float* const to = means.row(y);
-        const std::int64_t first = std::max(y - radius, rows.y0), end = std::min(y + radius + 1, rows.y1);
-        for (std::int64_t other = first; other < end; ++other)
-            add_row(static_cast<std::size_t>(wanted.width()), across.row(other) + wanted.x0, to + wanted.x0);
-        for (std::int64_t x = wanted.x0; x < wanted.x1; ++x) {
-            const std::int64_t columns = std::min(x + radius + 1, all.x1) - std::max(x - radius, all.x0);
-            to[x] /= static_cast<float>(columns * (end - first));
-        }
+        float* const to = variance.row(y) + wanted.x0;
+        for (std::size_t i = 0; i < columns.size(); ++i) to[i] /= columns[i] * rows[static_cast<std::size_t>(y - wanted.y0)];
     }
-    return means;
+    return variance;
 }
 
 struct Channel {
     Plane value, variance;
+    Plane bounded;            // the variance, for comparing
     Plane sum, variance_sum;  // of neighbours, with their weights and the squares of these
 };
 
 class Denoiser {
  public:
-    Denoiser(const DenoisedValues& values, const DenoisedValues::Part& part, const PixelRect& held, std::span<const float> pixels,
-             const PixelRect& wanted)
-        : held_(held), wanted_(wanted), with_variance_(values.variance), weights_(wanted, 1) {
-        const auto plane = [&](std::size_t place) {
-            return plane_of(held, pixels, values.outputs, [place](const float* pixel) {
-                return std::isfinite(pixel[place]) ? pixel[place] : 0.0f;  // the depth of what is infinitely far
-            });
-        };
-        const PixelRect compared = intersection(grown(wanted, kRadius + kPatch), held);
+    // `planes`: of each value of a pixel.
+    Denoiser(const DenoisedValues& values, const DenoisedValues::Part& part, const PixelRect& held,
+             const std::vector<Plane>& planes, const PixelRect& wanted)
+        : held_(held),
+          wanted_(wanted),
+          with_variance_(values.variance),
+          light_(values.channels),
+          weights_(made(wanted, [] { return 1.0f; })) {
+        const PixelRect compared = intersection(grown(wanted, kRadius + kPatch), held_);
         for (std::size_t c = 0; c < values.channels; ++c) {
-            const Plane squares = plane_of(held, pixels, values.outputs, [&, c](const float* pixel) {
-                const float error = (pixel[part.half0 + c] - pixel[part.half1 + c]) * 0.5f;
-                return error * error;
-            });
-            channels_.push_back(
-                {plane(part.value + c), means_around(squares, compared, kVarianceRadius), Plane(wanted), Plane(wanted)});
-            Channel& channel = channels_.back();
-            for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
-                std::copy(channel.value.row(y) + wanted.x0, channel.value.row(y) + wanted.x1, channel.sum.row(y) + wanted.x0);
-            }
+            Plane value = made(held_, finite, planes[part.value + c]);
+            Plane variance = variance_of(planes[part.half0 + c], planes[part.half1 + c], compared);
+            Plane bounded = made(
+                compared, [](float v, float x) { return std::min(v, kCertain * x * x); }, variance, value);
+            Plane sum = made(wanted, std::identity(), value);
+            channels_.push_back({std::move(value), std::move(variance), std::move(bounded), std::move(sum),
+                                 made(with_variance_ ? wanted : PixelRect{}, [] { return 0.0f; })});
         }
-        const auto add = [&](const std::optional<std::size_t>& first, std::vector<Plane>& planes) {
-            for (std::size_t i = 0; first && i < 3; ++i) planes.push_back(plane(*first + i));
+        const auto add_surfaces = [&](const std::optional<std::size_t>& first, float width) {
+            if (first)
+                surfaces_.push_back({{&planes[*first], &planes[*first + 1], &planes[*first + 2]}, 1 / (kSquares * width * width)});
         };
-        add(values.albedo, albedo_);
-        add(values.normal, normal_);
-        if (values.depth) depth_.push_back(plane(*values.depth));
-        if (values.weight) {
-            known_.push_back(plane_of(held, pixels, values.outputs,
-                                      [&](const float* pixel) { return pixel[*values.weight] != 0 ? 1.0f : 0.0f; }));
-        }
-        for (std::int64_t dy = 0; dy <= kRadius; ++dy) {
-            for (std::int64_t dx = dy > 0 ? -kRadius : 1; dx <= kRadius; ++dx) {
-                if (dx * dx + dy * dy <= kRadius * (kRadius + 1)) add_neighbours(dx, dy);
-            }
-        }
+        add_surfaces(values.albedo, kAlbedo);
+        add_surfaces(values.normal, kNormal);
+        if (values.depth) depth_ = made(held_, finite, planes[*values.depth]);  // what is infinitely far is at 0
+        if (values.weight)
+            known_ = made(
+                held_, [](float weight) { return weight != 0 ? 1.0f : 0.0f; }, planes[*values.weight]);
+        for (std::int64_t y = wanted.y0; y < wanted.y1; y += kStrip)
+            add_neighbours({wanted.x0, y, wanted.x1, std::min(y + kStrip, wanted.y1)});
     }
 
-    // The value of pixel (x, y), which keeps 1 - amount of its own.
-    float value(std::size_t c, std::int64_t x, std::int64_t y, float amount) const {
-        const Channel& channel = channels_[c];
-        return amount * (channel.sum.row(y)[x] / weights_.row(y)[x]) + (1 - amount) * channel.value.row(y)[x];
+    // Values of `wanted`, which keep 1 - amount of their own.
+    Plane value(std::size_t c, float amount) const {
+        const auto mix = [amount](float sum, float weights, float own) { return amount * (sum / weights) + (1 - amount) * own; };
+        return made(wanted_, mix, channels_[c].sum, weights_, channels_[c].value);
     }
-    float variance(std::size_t c, std::int64_t x, std::int64_t y, float amount) const {
-        const Channel& channel = channels_[c];
-        const float each = amount / weights_.row(y)[x], own = each + 1 - amount;
-        return each * each * channel.variance_sum.row(y)[x] + own * own * channel.variance.row(y)[x];
+    Plane variance(std::size_t c, float amount) const {
+        const auto mix = [amount](float sum, float weights, float variance) {
+            const float each = amount / weights, own = each + 1 - amount;
+            return each * each * sum + own * own * variance;
+        };
+        return made(wanted_, mix, channels_[c].variance_sum, weights_, channels_[c].variance);
     }
 
  private:
-    void add_neighbours(std::int64_t dx, std::int64_t dy);
-    void add_weighted(const Plane& weights, std::int64_t dx, std::int64_t dy, std::int64_t weight_x, std::int64_t weight_y);
-    void weigh_surfaces(std::size_t n, std::int64_t dx, std::int64_t dy, std::int64_t y, std::int64_t x, float* weights) const;
+    struct Surfaces {
+        std::array<const Plane*, 3> of;
+        float scale;
+    };
+
+    void add_neighbours(const PixelRect& strip);
+    void add_neighbours(const PixelRect& strip, std::int64_t dx, std::int64_t dy);
+    void add_weighted(const PixelRect& strip, const Plane& weights, std::int64_t dx, std::int64_t dy, std::int64_t weight_x,
+                      std::int64_t weight_y);
 
     PixelRect held_, wanted_;
     bool with_variance_;
     std::vector<Channel> channels_;
-    std::vector<Plane> albedo_, normal_, depth_;  // three, three, one; or none
-    std::vector<Plane> known_;                    // one or none: 1 where a pixel has camera records, else 0
-    Plane weights_;                               // sums; a pixel's own is 1
+    std::vector<ComparedLight> light_;  // of a row, in each channel
+    std::vector<Surfaces> surfaces_;
+    std::optional<Plane> depth_;
+    std::optional<Plane> known_;  // 1 where a pixel has camera records, else 0
+    Plane weights_;               // sums; a pixel's own is 1
 };
+
+void Denoiser::add_neighbours(const PixelRect& strip) {
+    for (std::int64_t dy = 0; dy <= kRadius; ++dy) {
+        for (std::int64_t dx = dy > 0 ? -kRadius : 1; dx <= kRadius; ++dx) {
+            if (dx * dx + dy * dy <= kRadius * (kRadius + 1)) add_neighbours(strip, dx, dy);
+        }
+    }
+}
 
 // [Welch47]: the difference of two means over its standard error, squared; its mean over the channels and over a patch around both.
 // Either pixel of a pair is a neighbour of the other with the same weight, which stands at the first: the other is (dx, dy)
 // further.
-void Denoiser::add_neighbours(std::int64_t dx, std::int64_t dy) {
+void Denoiser::add_neighbours(const PixelRect& strip, std::int64_t dx, std::int64_t dy) {
     const PixelRect both = intersection(held_, moved(held_, -dx, -dy));  // where the other is in the picture, too
-    const PixelRect others = moved(wanted_, -dx, -dy);
-    const PixelRect either{std::min(wanted_.x0, others.x0), std::min(wanted_.y0, others.y0), std::max(wanted_.x1, others.x1),
-                           std::max(wanted_.y1, others.y1)};
-    const PixelRect pairs = intersection(either, both), around = intersection(grown(pairs, kPatch), both);
+    const PixelRect others = moved(strip, -dx, -dy);
+    const PixelRect either{std::min(strip.x0, others.x0), std::min(strip.y0, others.y0), std::max(strip.x1, others.x1),
+                           std::max(strip.y1, others.y1)};
+    const PixelRect pairs = intersection(either, both);
     if (pairs.empty()) return;
-    Plane squares(around);
-    const float share = 1 / static_cast<float>(channels_.size());
-    for (const Channel& channel : channels_) {
-        for (std::int64_t y = around.y0; y < around.y1; ++y) {
-            const float *const a = channel.value.row(y) + around.x0, *const v = channel.variance.row(y) + around.x0,
-                               *const b = channel.value.row(y + dy) + around.x0 + dx,
-                               *const w = channel.variance.row(y + dy) + around.x0 + dx;
-            add_differences(static_cast<std::size_t>(around.width()), share, a, b, v, w, squares.row(y) + around.x0);
-        }
-    }
-    Plane weights = means_around(squares, pairs, kPatch);
-    const auto n = static_cast<std::size_t>(pairs.width());
+    const auto pair = [dx, dy](const Plane& plane, std::int64_t y, std::int64_t x) {
+        return Pair{plane.row(y) + x, plane.row(y + dy) + x + dx};
+    };
+    const Plane light = sums_around(pairs, kPatch, both, [&](std::int64_t y, std::int64_t x, std::size_t n, float* to) {
+        for (std::size_t c = 0; c < channels_.size(); ++c)
+            light_[c] = {pair(channels_[c].value, y, x), pair(channels_[c].bounded, y, x)};
+        compare_light(n, light_, to);
+    });
+    const std::vector<float> columns = counts_around(pairs.x0, pairs.x1, kPatch, both.x0, both.x1),
+                             rows = counts_around(pairs.y0, pairs.y1, kPatch, both.y0, both.y1);
+    std::vector<ComparedVectors> vectors(surfaces_.size());
+    ComparedPixels compared{.columns = columns.data(), .vectors = vectors};
+    compared.depth_scale = 1 / (kSquares * kDepth * kDepth * static_cast<float>(dx * dx + dy * dy));
+    Plane weights(pairs);
     for (std::int64_t y = pairs.y0; y < pairs.y1; ++y) {
-        float* const weight = weights.row(y) + pairs.x0;
-        weigh_differences(n, weight);
-        weigh_surfaces(n, dx, dy, y, pairs.x0, weight);
-        for (const Plane& known : known_) {
-            multiply_row(n, known.row(y) + pairs.x0, weight);
-            multiply_row(n, known.row(y + dy) + pairs.x0 + dx, weight);
+        compared.light = light.row(y) + pairs.x0;
+        compared.rows = rows[static_cast<std::size_t>(y - pairs.y0)];
+        for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+            const auto& [of, scale] = surfaces_[i];
+            vectors[i] = {{pair(*of[0], y, pairs.x0), pair(*of[1], y, pairs.x0), pair(*of[2], y, pairs.x0)}, scale};
         }
+        if (depth_) compared.depth = pair(*depth_, y, pairs.x0);
+        if (known_) compared.known = pair(*known_, y, pairs.x0);
+        weigh(static_cast<std::size_t>(pairs.width()), compared, weights.row(y) + pairs.x0);
     }
-    add_weighted(weights, dx, dy, 0, 0);
-    add_weighted(weights, -dx, -dy, -dx, -dy);
+    add_weighted(strip, weights, dx, dy, 0, 0);
+    add_weighted(strip, weights, -dx, -dy, -dx, -dy);
 }
 
 // The neighbours (dx, dy) further, with the weights that stand (weight_x, weight_y) further.
-void Denoiser::add_weighted(const Plane& weights, std::int64_t dx, std::int64_t dy, std::int64_t weight_x, std::int64_t weight_y) {
-    const PixelRect pixels = intersection(wanted_, moved(weights.pixels(), -weight_x, -weight_y));
+void Denoiser::add_weighted(const PixelRect& strip, const Plane& weights, std::int64_t dx, std::int64_t dy, std::int64_t weight_x,
+                            std::int64_t weight_y) {
+    const PixelRect pixels = intersection(strip, moved(weights.pixels(), -weight_x, -weight_y));
     if (pixels.empty()) return;
     const auto n = static_cast<std::size_t>(pixels.width());
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
@@ -196,18 +246,33 @@ void Denoiser::add_weighted(const Plane& weights, std::int64_t dx, std::int64_t 
     }
 }
 
-// Of n pixels from (x, y) on, and their neighbours.
-void Denoiser::weigh_surfaces(std::size_t n, std::int64_t dx, std::int64_t dy, std::int64_t y, std::int64_t x,
-                              float* weights) const {
-    const auto vectors = [](const std::vector<Plane>& planes, std::int64_t at_x, std::int64_t at_y) {
-        return Vectors{planes[0].row(at_y) + at_x, planes[1].row(at_y) + at_x, planes[2].row(at_y) + at_x};
-    };
-    for (const auto& [planes, width] : {std::pair(&albedo_, kAlbedo), {&normal_, kNormal}}) {
-        if (!planes->empty())
-            weigh_vectors(n, 1 / (kSquares * width * width), vectors(*planes, x, y), vectors(*planes, x + dx, y + dy), weights);
+// One for each value of a pixel.
+std::vector<Plane> planes_of(const PixelRect& held, std::span<const float> pixels, std::size_t values) {
+    std::vector<Plane> planes;
+    for (std::size_t i = 0; i < values; ++i) planes.emplace_back(held);
+    const auto width = static_cast<std::size_t>(held.width());
+    const float* from = pixels.data();
+    for (std::int64_t y = held.y0; y < held.y1; ++y, from += width * values) {
+        for (std::size_t i = 0; i < values; ++i) {
+            float* const to = planes[i].row(y) + held.x0;
+            for (std::size_t x = 0; x < width; ++x) to[x] = from[x * values + i];
+        }
     }
-    const float scale = 1 / (kSquares * kDepth * kDepth * static_cast<float>(dx * dx + dy * dy));
-    if (!depth_.empty()) weigh_depths(n, scale, depth_[0].row(y) + x, depth_[0].row(y + dy) + x + dx, weights);
+    return planes;
+}
+
+// The reverse, of those of `kept`.
+std::vector<float> pixels_of(const PixelRect& wanted, const std::vector<Plane>& planes, std::span<const std::size_t> kept) {
+    const auto width = static_cast<std::size_t>(wanted.width());
+    std::vector<float> pixels(width * static_cast<std::size_t>(wanted.height()) * kept.size());
+    float* to = pixels.data();
+    for (std::int64_t y = wanted.y0; y < wanted.y1; ++y, to += width * kept.size()) {
+        for (std::size_t i = 0; i < kept.size(); ++i) {
+            const float* const from = planes[kept[i]].row(y) + wanted.x0;
+            for (std::size_t x = 0; x < width; ++x) to[x * kept.size() + i] = from[x];
+        }
+    }
+    return pixels;
 }
 
 }  // namespace
@@ -219,6 +284,8 @@ PixelRect read_by_denoiser(const PixelRect& wanted, const PixelRect& picture) {
 DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
     DenoisedValues values;
     values.outputs = names.size();
+    values.kept.resize(names.size());
+    std::iota(values.kept.begin(), values.kept.end(), std::size_t{0});
     const auto place = [&](const std::string& name) -> std::optional<std::size_t> {
         const auto at = std::ranges::find(names, name);
         if (at == names.end()) return std::nullopt;
@@ -245,36 +312,21 @@ DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {
 std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
                            const PixelRect& wanted) {
     const auto share = static_cast<float>(amount);
-    std::vector<float> out;
-    out.reserve(static_cast<std::size_t>(wanted.width() * wanted.height()) * values.outputs);
-    for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
-        const auto first = static_cast<std::size_t>((y - held.y0) * held.width() + wanted.x0 - held.x0) * values.outputs;
-        const std::span<const float> row = pixels.subspan(first, static_cast<std::size_t>(wanted.width()) * values.outputs);
-        out.insert(out.end(), row.begin(), row.end());
-    }
-    const auto for_each_value = [&](const auto& change) {
-        float* pixel = out.data();
-        for (std::int64_t y = wanted.y0; y < wanted.y1; ++y) {
-            for (std::int64_t x = wanted.x0; x < wanted.x1; ++x, pixel += values.outputs) {
-                for (std::size_t c = 0; c < values.channels; ++c) change(c, x, y, pixel);
-            }
-        }
+    std::vector<Plane> planes = planes_of(held, pixels, values.outputs);
+    const auto add = [&](Plane& sum, const Plane& more, bool is_first) {
+        sum = is_first ? made(wanted, std::identity(), more) : made(wanted, std::plus(), sum, more);
     };
     const std::vector<DenoisedValues::Part> parts = values.lights.empty() ? std::vector{values.picture} : values.lights;
     for (const DenoisedValues::Part& part : parts) {
-        const Denoiser denoiser(values, part, held, pixels, wanted);
+        const Denoiser denoiser(values, part, held, planes, wanted);
         const bool is_first = part.value == parts.front().value;
-        for_each_value([&](std::size_t c, std::int64_t x, std::int64_t y, float* pixel) {
-            const float value = denoiser.value(c, x, y, share);
-            pixel[part.value + c] = value;
-            if (part.value != values.picture.value) pixel[c] = is_first ? value : pixel[c] + value;
-            if (!values.variance) return;
-            const float variance = denoiser.variance(c, x, y, share);
-            float& sum = pixel[*values.variance + c];
-            sum = is_first ? variance : sum + variance;
-        });
+        for (std::size_t c = 0; c < values.channels; ++c) {
+            planes[part.value + c] = denoiser.value(c, share);
+            if (!values.lights.empty()) add(planes[values.picture.value + c], planes[part.value + c], is_first);
+            if (values.variance) add(planes[*values.variance + c], denoiser.variance(c, share), is_first);
+        }
     }
-    return out;
+    return pixels_of(wanted, planes, values.kept);
 }
 
 }  // namespace latent::develop

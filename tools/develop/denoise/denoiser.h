@@ -25,8 +25,9 @@ struct DenoisedValues {
     std::optional<std::size_t> albedo{}, normal{}, depth{};  // three, three and one
     std::optional<std::size_t> weight{};                     // of camera records; pixels without are neighbours of none
     std::optional<std::size_t> variance{};                   // becomes that of the denoised picture
+    std::vector<std::size_t> kept{};                         // all that are wanted of a denoised pixel
 
-    // From the names that RowLayout gives; those of the channels come first.
+    // From the names that RowLayout gives; those of the channels come first. All are kept.
     static DenoisedValues find(const std::vector<std::string>& names);
 };
 
@@ -34,9 +35,9 @@ struct DenoisedValues {
 inline constexpr std::int64_t kDenoiseReach = 8;
 PixelRect read_by_denoiser(const PixelRect& wanted, const PixelRect& picture);
 
-// `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way. `held`
-// must hold all that `wanted` depends on. `amount`: of the denoised picture (0..1]; the rest is the
-// noisy one.
+// `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way, but of
+// their values only `kept`. `held` must hold all that `wanted` depends on. `amount`: of the denoised picture (0..1]; the rest is
+// the noisy one.
 std::vector<float> denoise(const DenoisedValues& values, double amount, const PixelRect& held, std::span<const float> pixels,
                            const PixelRect& wanted);
 

@@ -5,58 +5,97 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
-#include <algorithm>
-
-// Plain loops, which compilers turn into vectors of each instruction set.
 HWY_BEFORE_NAMESPACE();
 namespace latent::develop::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr float kCertain = 0.25f;  // variance over squared value, at most, when pixels are compared
-constexpr float kBeyond = 1.5f;    // squares of differences count down to 0 over so many variances
+constexpr float kBeyond = 1.5f;  // squares of differences count down to 0 over so many variances
+
+// make(d, i): numbers i .. of `to`, a vector of tag d. The last ones may be made twice.
+template <class Make>
+HWY_INLINE void make_row(std::size_t n, float* HWY_RESTRICT to, const Make& make) {
+    const hn::ScalableTag<float> d;
+    const std::size_t lanes = hn::Lanes(d);
+    if (n < lanes) {
+        const hn::CappedTag<float, 1> one;
+        for (std::size_t i = 0; i < n; ++i) hn::StoreU(make(one, i), one, to + i);
+        return;
+    }
+    std::size_t i = 0;
+    for (; i + lanes <= n; i += lanes) hn::StoreU(make(d, i), d, to + i);
+    if (i < n) hn::StoreU(make(d, n - lanes), d, to + n - lanes);
+}
+
+// 0 where x is not a number.
+template <class D>
+HWY_INLINE hn::Vec<D> at_least_0(D d, hn::Vec<D> x) {
+    return hn::IfThenElseZero(hn::Gt(x, hn::Zero(d)), x);
+}
 
 // From 1 at 0 to 0 at 1.
-HWY_INLINE float Falling(float x) {
-    const float left = std::max(0.0f, 1 - x);
-    return left * left;
+template <class D>
+HWY_INLINE hn::Vec<D> falling(D d, hn::Vec<D> x) {
+    const auto left = at_least_0(d, hn::Sub(hn::Set(d, 1), x));
+    return hn::Mul(left, left);
 }
 
-// The light of one sample, or of few, cannot show how much it varies: such a pixel would be like all others. Their light would go
-// over to the dark.
-HWY_INLINE float Bounded(float variance, float value) { return std::min(variance, kCertain * value * value); }
-
-void AddRow(std::size_t n, const float* HWY_RESTRICT from, float* HWY_RESTRICT to) {
-    for (std::size_t i = 0; i < n; ++i) to[i] += from[i];
+template <class D>
+HWY_INLINE hn::Vec<D> difference(D d, const Pair& pair, std::size_t i) {
+    return hn::Sub(hn::LoadU(d, pair.a + i), hn::LoadU(d, pair.b + i));
 }
 
-void MultiplyRow(std::size_t n, const float* HWY_RESTRICT by, float* HWY_RESTRICT to) {
-    for (std::size_t i = 0; i < n; ++i) to[i] *= by[i];
+void AddUp(std::size_t n, std::size_t count, const float* rows, std::size_t step, float* to) {
+    make_row(n, to, [=](auto d, std::size_t i) HWY_ATTR {
+        auto sum = hn::LoadU(d, rows + i);
+        for (std::size_t k = 1; k < count; ++k) sum = hn::Add(sum, hn::LoadU(d, rows + k * step + i));
+        return sum;
+    });
 }
 
-void AddDifferences(std::size_t n, float share, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b,
-                    const float* HWY_RESTRICT v, const float* HWY_RESTRICT w, float* HWY_RESTRICT to) {
-    for (std::size_t i = 0; i < n; ++i)
-        to[i] += share * ((a[i] - b[i]) * (a[i] - b[i]) / (Bounded(v[i], a[i]) + Bounded(w[i], b[i]) + 1e-30f));
+void CompareLight(std::size_t n, std::span<const ComparedLight> channels, float* to) {
+    const float share = 1 / static_cast<float>(channels.size());
+    make_row(n, to, [=](auto d, std::size_t i) HWY_ATTR {
+        auto sum = hn::Zero(d);
+        for (const ComparedLight& channel : channels) {
+            const auto by = difference(d, channel.value, i);
+            const auto variance = hn::Add(hn::LoadU(d, channel.variance.a + i), hn::LoadU(d, channel.variance.b + i));
+            const auto ratio = hn::Div(hn::Mul(by, by), hn::Add(variance, hn::Set(d, 1e-30f)));
+            sum = hn::Add(sum, hn::Mul(hn::Set(d, share), ratio));
+        }
+        return sum;
+    });
 }
 
-void WeighDifferences(std::size_t n, float* HWY_RESTRICT weights) {
-    for (std::size_t i = 0; i < n; ++i) weights[i] = Falling(std::max(0.0f, weights[i] - 1) * (1 / kBeyond));
+void Weigh(std::size_t n, const ComparedPixels& compared, float* weights) {
+    make_row(n, weights, [&compared](auto d, std::size_t i) HWY_ATTR {
+        const auto pixels = hn::Mul(hn::LoadU(d, compared.columns + i), hn::Set(d, compared.rows));
+        const auto light = hn::Div(hn::LoadU(d, compared.light + i), pixels);
+        auto weight = falling(d, hn::Mul(at_least_0(d, hn::Sub(light, hn::Set(d, 1))), hn::Set(d, 1 / kBeyond)));
+        for (const ComparedVectors& vectors : compared.vectors) {
+            auto distance = hn::Zero(d);
+            for (const Pair& pair : vectors.of) {
+                const auto by = difference(d, pair, i);
+                distance = hn::Add(distance, hn::Mul(by, by));
+            }
+            weight = hn::Mul(weight, falling(d, hn::Mul(distance, hn::Set(d, vectors.scale))));
+        }
+        if (compared.depth.a) {
+            const auto by = difference(d, compared.depth, i);
+            const auto depth = hn::Max(hn::LoadU(d, compared.depth.a + i), hn::LoadU(d, compared.depth.b + i));
+            const auto square = hn::Mul(hn::Mul(by, by), hn::Set(d, compared.depth_scale));
+            weight = hn::Mul(weight, falling(d, hn::Div(square, hn::Add(hn::Mul(depth, depth), hn::Set(d, 1e-30f)))));
+        }
+        if (compared.known.a) {
+            weight = hn::Mul(weight, hn::LoadU(d, compared.known.a + i));
+            weight = hn::Mul(weight, hn::LoadU(d, compared.known.b + i));
+        }
+        return weight;
+    });
 }
 
-void WeighVectors(std::size_t n, float scale, const Vectors& a, const Vectors& b, float* HWY_RESTRICT weights) {
-    const float *HWY_RESTRICT a0 = a[0], *HWY_RESTRICT a1 = a[1], *HWY_RESTRICT a2 = a[2];
-    const float *HWY_RESTRICT b0 = b[0], *HWY_RESTRICT b1 = b[1], *HWY_RESTRICT b2 = b[2];
-    for (std::size_t i = 0; i < n; ++i) {
-        const float d0 = a0[i] - b0[i], d1 = a1[i] - b1[i], d2 = a2[i] - b2[i];
-        weights[i] *= Falling((d0 * d0 + d1 * d1 + d2 * d2) * scale);
-    }
-}
-
-void WeighDepths(std::size_t n, float scale, const float* HWY_RESTRICT a, const float* HWY_RESTRICT b,
-                 float* HWY_RESTRICT weights) {
-    for (std::size_t i = 0; i < n; ++i) {
-        const float difference = a[i] - b[i], depth = std::max(a[i], b[i]);
-        weights[i] *= Falling(difference * difference * scale / (depth * depth + 1e-30f));
-    }
+// Plain loops, which compilers turn into vectors of each instruction set.
+void AddRow(std::size_t n, const float* HWY_RESTRICT row, float* HWY_RESTRICT sums) {
+    for (std::size_t i = 0; i < n; ++i) sums[i] += row[i];
 }
 
 void AddProducts(std::size_t n, const float* HWY_RESTRICT weights, const float* HWY_RESTRICT values, float* HWY_RESTRICT sums) {
@@ -76,27 +115,21 @@ HWY_AFTER_NAMESPACE();
 
 namespace latent::develop {
 
+LATENT_SIMD_EXPORT(AddUp);
+LATENT_SIMD_EXPORT(CompareLight);
+LATENT_SIMD_EXPORT(Weigh);
 LATENT_SIMD_EXPORT(AddRow);
-LATENT_SIMD_EXPORT(MultiplyRow);
-LATENT_SIMD_EXPORT(AddDifferences);
-LATENT_SIMD_EXPORT(WeighDifferences);
-LATENT_SIMD_EXPORT(WeighVectors);
-LATENT_SIMD_EXPORT(WeighDepths);
 LATENT_SIMD_EXPORT(AddProducts);
 LATENT_SIMD_EXPORT(AddSquaredProducts);
 
-void add_row(std::size_t n, const float* from, float* to) { LATENT_SIMD_CALL(AddRow)(n, from, to); }
-void multiply_row(std::size_t n, const float* by, float* to) { LATENT_SIMD_CALL(MultiplyRow)(n, by, to); }
-void add_differences(std::size_t n, float share, const float* a, const float* b, const float* v, const float* w, float* to) {
-    LATENT_SIMD_CALL(AddDifferences)(n, share, a, b, v, w, to);
+void add_up(std::size_t n, std::size_t count, const float* rows, std::size_t step, float* to) {
+    LATENT_SIMD_CALL(AddUp)(n, count, rows, step, to);
 }
-void weigh_differences(std::size_t n, float* weights) { LATENT_SIMD_CALL(WeighDifferences)(n, weights); }
-void weigh_vectors(std::size_t n, float scale, const Vectors& a, const Vectors& b, float* weights) {
-    LATENT_SIMD_CALL(WeighVectors)(n, scale, a, b, weights);
+void compare_light(std::size_t n, std::span<const ComparedLight> channels, float* to) {
+    LATENT_SIMD_CALL(CompareLight)(n, channels, to);
 }
-void weigh_depths(std::size_t n, float scale, const float* a, const float* b, float* weights) {
-    LATENT_SIMD_CALL(WeighDepths)(n, scale, a, b, weights);
-}
+void weigh(std::size_t n, const ComparedPixels& compared, float* weights) { LATENT_SIMD_CALL(Weigh)(n, compared, weights); }
+void add_row(std::size_t n, const float* row, float* sums) { LATENT_SIMD_CALL(AddRow)(n, row, sums); }
 void add_products(std::size_t n, const float* weights, const float* values, float* sums) {
     LATENT_SIMD_CALL(AddProducts)(n, weights, values, sums);
 }

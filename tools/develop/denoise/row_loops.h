@@ -4,28 +4,41 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 namespace latent::develop {
 
-// `to` += `from`, of n numbers.
-void add_row(std::size_t n, const float* from, float* to);
+// `to` = the sum of `count` rows, `step` numbers apart.
+void add_up(std::size_t n, std::size_t count, const float* rows, std::size_t step, float* to);
 
-// `to` *= `by`.
-void multiply_row(std::size_t n, const float* by, float* to);
+// Rows of pixels and of their neighbours.
+struct Pair {
+    const float *a = nullptr, *b = nullptr;
+};
+struct ComparedLight {
+    Pair value, variance;
+};
+// `to` = the mean over `channels` of (a - b)^2 / (v + w), where a and b have the variances v and w.
+void compare_light(std::size_t n, std::span<const ComparedLight> channels, float* to);
 
-// `to` += share x (a - b)^2 / (v + w), where a and b have the variances v and w, but no more than a pixel can show.
-void add_differences(std::size_t n, float share, const float* a, const float* b, const float* v, const float* w, float* to);
+struct ComparedVectors {
+    std::array<Pair, 3> of{};
+    float scale = 0;  // of squared distances: weights fall to 0 at 1
+};
+struct ComparedPixels {
+    const float* light = nullptr;    // compared, added up over a patch
+    const float* columns = nullptr;  // of the patch
+    float rows = 0;
+    std::span<const ComparedVectors> vectors{};
+    Pair depth{};  // null: not known
+    float depth_scale = 0;
+    Pair known{};  // 1, or 0 where nothing is known; null: all are
+};
+// What neighbours count.
+void weigh(std::size_t n, const ComparedPixels& compared, float* weights);
 
-// Means of squared differences become weights.
-void weigh_differences(std::size_t n, float* weights);
-
-using Vectors = std::array<const float*, 3>;
-// Weights fall with the squared distance of vectors, to 0 at 1 / scale.
-void weigh_vectors(std::size_t n, float scale, const Vectors& a, const Vectors& b, float* weights);
-// The same, of the relative difference of depths.
-void weigh_depths(std::size_t n, float scale, const float* a, const float* b, float* weights);
-
-// `sums` += weights x values, or weights^2 x values.
+// `sums` += `row`; weights x values; weights^2 x values.
+void add_row(std::size_t n, const float* row, float* sums);
 void add_products(std::size_t n, const float* weights, const float* values, float* sums);
 void add_squared_products(std::size_t n, const float* weights, const float* values, float* sums);
 

@@ -28,10 +28,10 @@ Status DenoisedPicture::begin(const image::ExrTileSpec& spec, std::uint64_t wait
     out.x0 = static_cast<int>(crop_.x0), out.y0 = static_cast<int>(crop_.y0);
     out.x1 = static_cast<int>(crop_.x1), out.y1 = static_cast<int>(crop_.y1);
     out.channels.clear();
-    kept_.clear();
+    values_.kept.clear();
     for (std::size_t i = 0; i < spec.channels.size(); ++i) {
         if (is_dropped(spec.channels[i], kept_layers_)) continue;
-        kept_.push_back(i);
+        values_.kept.push_back(i);
         out.channels.push_back(spec.channels[i]);
     }
     return to_.begin(out, waiting_memory);
@@ -79,13 +79,7 @@ Status DenoisedPicture::denoise(const Stopped& stopped) {
         const PixelRect held = read_by_denoiser(tile, all_);
         const Result<std::vector<float>> noisy = pixels_in(held);
         if (!noisy) return noisy.error();
-        const std::vector<float> denoised = develop::denoise(values_, amount_, held, *noisy, tile);
-        std::vector<float> out;
-        out.reserve(denoised.size() / values_.outputs * kept_.size());
-        for (std::size_t pixel = 0; pixel < denoised.size(); pixel += values_.outputs) {
-            for (const std::size_t value : kept_) out.push_back(denoised[pixel + value]);
-        }
-        return out;
+        return develop::denoise(values_, amount_, held, *noisy, tile);
     };
     const auto take = [&](std::size_t i, std::vector<float> pixels) {
         const auto tile = static_cast<std::int64_t>(i);

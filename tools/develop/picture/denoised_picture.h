@@ -41,8 +41,7 @@ class DenoisedPicture final : public PictureSink {
 
     PixelRect all_;  // that are taken
     DenoisedValues values_;
-    std::vector<std::size_t> kept_;  // among the values
-    std::optional<File> file_;       // tiles, each with room for kTile rows of kTile pixels
+    std::optional<File> file_;  // tiles, each with room for kTile rows of kTile pixels
 };
 
 }  // namespace latent::develop
