@@ -117,7 +117,7 @@ TEST(Denoise, APixelDependsOnThoseWithinReachAlone) {
     const DenoisedValues values = DenoisedValues::find(kNames);
     const std::vector<float> all = denoise(values, 1, kAll, pixels, kAll);
     for (const PixelRect& wanted : {PixelRect{20, 25, 21, 26}, PixelRect{0, 40, 9, 64}, PixelRect{13, 0, 64, 3}}) {
-        const PixelRect held = read_by_denoiser(wanted, kAll);
+        const PixelRect held = within_reach(wanted, kAll);
         const auto part_of = [&](const std::vector<float>& from, const PixelRect& part) {
             std::vector<float> out;
             for (std::int64_t y = part.y0; y < part.y1; ++y) {

@@ -277,8 +277,8 @@ std::vector<float> pixels_of(const PixelRect& wanted, const std::vector<Plane>& 
 
 }  // namespace
 
-PixelRect read_by_denoiser(const PixelRect& wanted, const PixelRect& picture) {
-    return intersection(grown(wanted, kDenoiseReach), picture);
+PixelRect within_reach(const PixelRect& pixels, const PixelRect& picture) {
+    return intersection(grown(pixels, kDenoiseReach), picture);
 }
 
 DenoisedValues DenoisedValues::find(const std::vector<std::string>& names) {

@@ -31,9 +31,10 @@ struct DenoisedValues {
     static DenoisedValues find(const std::vector<std::string>& names);
 };
 
-// Pixels around one that it may depend on, in each direction; and those of `picture` that `wanted` depends on.
+// Pixels around one that it may depend on, in each direction; those of `picture` that are so near to `pixels`: they depend on
+// these, and these on them.
 inline constexpr std::int64_t kDenoiseReach = 8;
-PixelRect read_by_denoiser(const PixelRect& wanted, const PixelRect& picture);
+PixelRect within_reach(const PixelRect& pixels, const PixelRect& picture);
 
 // `pixels` are those of `held`, row after row, all values of a pixel together. Returns those of `wanted`, in the same way, but of
 // their values only `kept`. `held` must hold all that `wanted` depends on. `amount`: of the denoised picture (0..1]; the rest is

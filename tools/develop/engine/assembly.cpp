@@ -92,9 +92,11 @@ Status Assembly::add(const Windows& windows, const PositiveSums& positive, std::
         if (Status s = add_tile(pane, tile, complete, buffer); !s) return s.error();
         return complete ? std::span<const float>(buffer) : std::span<const float>();
     };
-    return make_in_order(tiles.size(), add_up, [&](std::size_t i, std::span<const float> pixels) {
+    const auto write = [&](std::size_t i, std::span<const float> pixels) {
         return pixels.empty() ? Status() : sink_.write(tiles[i].x, tiles[i].y, pixels);
-    });
+    };
+    if (Status s = make_in_order(tiles.size(), add_up, write); !s) return s;
+    return sink_.after_pane();
 }
 
 // In the order in which they would be complete: by the last cell that reaches them.

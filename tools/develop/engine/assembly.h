@@ -28,6 +28,8 @@ class TileSink {
     // Tile (x, y) of the crop, counted in kTile x kTile pixels from its corner; rows one after another, RowLayout::outputs() floats
     // per pixel.
     virtual Status write(int x, int y, std::span<const float> pixels) = 0;
+    // After the tiles of each pane: here, it may use all threads of the arena.
+    virtual Status after_pane() { return {}; }
 };
 
 // What turns sums into values.

@@ -19,14 +19,22 @@ bool is_dropped(const std::string& name, const Layers& kept) {
 }  // namespace
 
 Status DenoisedPicture::begin(const image::ExrTileSpec& spec, std::uint64_t waiting_memory) {
-    all_ = {spec.x0, spec.y0, spec.x1, spec.y1};
+    noisy_ = Tiles({spec.x0, spec.y0, spec.x1, spec.y1});
     values_ = DenoisedValues::find(spec.channels);
     Result<File> file = File::create_unnamed(folder_);
     if (!file) return file.error();
     file_ = std::move(*file);
+    slots_.assign(noisy_.count(), {});
+    free_slots_.clear();
+    slot_count_ = 0;
+    missing_.assign(denoised_.count(), 0);
+    for (std::size_t i = 0; i < missing_.size(); ++i)
+        noisy_.for_those_in(read_by(i), [&](std::size_t tile) { ++missing_[i], ++slots_[tile].readers; });
+    ready_.clear();
     image::ExrTileSpec out = spec;
-    out.x0 = static_cast<int>(crop_.x0), out.y0 = static_cast<int>(crop_.y0);
-    out.x1 = static_cast<int>(crop_.x1), out.y1 = static_cast<int>(crop_.y1);
+    const PixelRect& crop = denoised_.pixels();
+    out.x0 = static_cast<int>(crop.x0), out.y0 = static_cast<int>(crop.y0);
+    out.x1 = static_cast<int>(crop.x1), out.y1 = static_cast<int>(crop.y1);
     out.channels.clear();
     values_.kept.clear();
     for (std::size_t i = 0; i < spec.channels.size(); ++i) {
@@ -37,55 +45,58 @@ Status DenoisedPicture::begin(const image::ExrTileSpec& spec, std::uint64_t wait
     return to_.begin(out, waiting_memory);
 }
 
-std::uint64_t DenoisedPicture::offset_of(std::int64_t x, std::int64_t y) const {
-    const std::int64_t column = x - all_.x0, row = y - all_.y0, tiles = (all_.width() + kTile - 1) / kTile;
-    const std::int64_t pixel = ((row / kTile * tiles + column / kTile) * kTile + row % kTile) * kTile + column % kTile;
-    return static_cast<std::uint64_t>(pixel) * values_.outputs * sizeof(float);
-}
+PixelRect DenoisedPicture::read_by(std::size_t tile) const { return within_reach(denoised_.tile(tile), noisy_.pixels()); }
 
 Status DenoisedPicture::write(int x, int y, std::span<const float> pixels) {
-    const std::int64_t x0 = all_.x0 + std::int64_t{x} * kTile, y0 = all_.y0 + std::int64_t{y} * kTile;
-    const auto row = static_cast<std::size_t>(std::min<std::int64_t>(kTile, all_.x1 - x0)) * values_.outputs;
-    if (row == kTile * values_.outputs) return file_->write_all(offset_of(x0, y0), std::as_bytes(pixels));
-    for (std::size_t i = 0; i * row < pixels.size(); ++i) {
-        const std::uint64_t offset = offset_of(x0, y0 + static_cast<std::int64_t>(i));
-        if (Status s = file_->write_all(offset, std::as_bytes(pixels.subspan(i * row, row))); !s) return s;
+    const std::size_t i = noisy_.number(x, y);
+    Slot& slot = slots_[i];
+    if (free_slots_.empty()) {
+        slot.number = slot_count_++;
+    } else {
+        slot.number = free_slots_.back();
+        free_slots_.pop_back();
     }
-    return {};
+    denoised_.for_those_in(within_reach(noisy_.tile(i), denoised_.pixels()), [&](std::size_t tile) {
+        if (--missing_[tile] == 0) ready_.push_back(tile);
+    });
+    return file_->write_all(slot.number * slot_bytes(), std::as_bytes(pixels));
 }
 
 Result<std::vector<float>> DenoisedPicture::pixels_in(const PixelRect& pixels) const {
     std::vector<float> values(static_cast<std::size_t>(pixels.width() * pixels.height()) * values_.outputs);
-    std::span<float> rest = values;
-    for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
-        for (std::int64_t x = pixels.x0; x < pixels.x1;) {
-            const std::int64_t end = std::min(pixels.x1, all_.x0 + ((x - all_.x0) / kTile + 1) * kTile);  // of the tile
-            const std::size_t count = static_cast<std::size_t>(end - x) * values_.outputs;
-            if (Status s = file_->read_exact(offset_of(x, y), std::as_writable_bytes(rest.first(count))); !s) return s.error();
-            rest = rest.subspan(count);
-            x = end;
+    Status status;
+    noisy_.for_those_in(pixels, [&](std::size_t i) {
+        const PixelRect tile = noisy_.tile(i), part = intersection(tile, pixels);
+        const auto place = [this](const PixelRect& in, std::int64_t x, std::int64_t y) {
+            return static_cast<std::size_t>((y - in.y0) * in.width() + x - in.x0) * values_.outputs;
+        };
+        for (std::int64_t y = part.y0; y < part.y1 && status; ++y) {
+            const std::span<float> row =
+                std::span(values).subspan(place(pixels, part.x0, y), static_cast<std::size_t>(part.width()) * values_.outputs);
+            const std::uint64_t offset = slots_[i].number * slot_bytes() + place(tile, part.x0, y) * sizeof(float);
+            status = file_->read_exact(offset, std::as_writable_bytes(row));
         }
-    }
+    });
+    if (!status) return status.error();
     return values;
 }
 
-Status DenoisedPicture::denoise(const Stopped& stopped) {
-    const std::int64_t tiles_x = (crop_.width() + kTile - 1) / kTile, tiles_y = (crop_.height() + kTile - 1) / kTile;
+Status DenoisedPicture::after_pane() {
     const auto make = [&](std::size_t i) -> Result<std::vector<float>> {
-        if (is_true(stopped)) return given_up();
-        const std::int64_t x = crop_.x0 + static_cast<std::int64_t>(i) % tiles_x * kTile,
-                           y = crop_.y0 + static_cast<std::int64_t>(i) / tiles_x * kTile;
-        const PixelRect tile = intersection({x, y, x + kTile, y + kTile}, crop_);
-        const PixelRect held = read_by_denoiser(tile, all_);
+        const PixelRect held = read_by(ready_[i]);
         const Result<std::vector<float>> noisy = pixels_in(held);
         if (!noisy) return noisy.error();
-        return develop::denoise(values_, amount_, held, *noisy, tile);
+        return denoise(values_, amount_, held, *noisy, denoised_.tile(ready_[i]));
     };
     const auto take = [&](std::size_t i, std::vector<float> pixels) {
-        const auto tile = static_cast<std::int64_t>(i);
-        return to_.write(static_cast<int>(tile % tiles_x), static_cast<int>(tile / tiles_x), pixels);
+        noisy_.for_those_in(read_by(ready_[i]), [&](std::size_t tile) {
+            if (--slots_[tile].readers == 0) free_slots_.push_back(slots_[tile].number);
+        });
+        return to_.write(denoised_.column(ready_[i]), denoised_.row(ready_[i]), pixels);
     };
-    return make_in_order(static_cast<std::size_t>(tiles_x * tiles_y), make, take);
+    const Status status = make_in_order(ready_.size(), make, take);
+    ready_.clear();
+    return status;
 }
 
 }  // namespace latent::develop

@@ -241,7 +241,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSe
     Settings settings;
     settings.width = size->width;
     settings.height = size->height;
-    settings.crop = options.denoise > 0 ? read_by_denoiser(*crop, {0, 0, size->width, size->height}) : *crop;
+    settings.crop = options.denoise > 0 ? within_reach(*crop, {0, 0, size->width, size->height}) : *crop;
     settings.filter = *filter;
     settings.camera = options.image != "light";
     settings.light = options.image != "camera";
@@ -281,10 +281,9 @@ Result<PictureReport> develop_prepared(const PictureOptions& options, const samp
     Result<DevelopCounts> counts = DevelopCounts{};
     threads.run([&] { counts = develop(run_set, prepared->channels, prepared->settings, noisy, progress); });
     if (!counts) return counts.error();
-    Status done;
-    if (denoised) threads.run([&] { done = denoised->denoise(options.stopped); });
-    if (done && publish) done = sink.finish();
-    if (!done) return done.error();
+    if (publish) {
+        if (Status s = sink.finish(); !s) return s.error();
+    }
     if (denoised) counts->temporary_bytes += denoised->bytes_on_disk();
     report.counts = *counts;
     report.bytes_read = run_set.bytes_read();
