@@ -1,0 +1,38 @@
+// Exposure, white, tone, and how colours are printed.
+// @ts-check
+import { bind } from "./bind.js";
+import { $, signed } from "./dom.js";
+import { changed, get, put, shows } from "./recipe.js";
+import { state } from "./server.js";
+
+bind("stops", "convert", "stops", 0, signed);
+bind("tone", "convert", "tone", "film");
+bind("contrast", "convert", "contrast", 1, (v) => v.toFixed(2));
+bind("black", "convert", "black", 0, (v) => v.toFixed(3));
+bind("gamut", "convert", "gamut", "luminance");
+bind("profile", "convert", "profile", "srgb");
+bind("proof", "convert", "proof", "");
+bind("intent", "convert", "intent", "perceptual");
+
+shows.push(() => { $("sensitivity").textContent = `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
+$("auto").addEventListener("click", () => { put("convert", "sensitivity", undefined); put("convert", "auto", true); changed(); });
+
+$("clipped").addEventListener("change", () => { put("convert", "show", $("clipped").checked ? "clipped" : undefined); changed(); });
+shows.push(() => { $("clipped").checked = get("convert", "show") === "clipped"; });
+
+for (const light of state.lights) $("white").querySelector('[value="kelvin"]').before(Object.assign(new Option(light.name), { title: light.what }));
+shows.push(() => {
+  const white = String(get("convert", "white") ?? ""), kelvin = /^(\d+(\.\d+)?)[kK]$/.exec(white);
+  if (kelvin) $("kelvin").value = kelvin[1];
+  const named = [...$("white").options].some((o) => o.value === white);
+  $("white").value = kelvin ? "kelvin" : named ? white : "picked";
+  $("white").querySelector('[value="picked"]').textContent = `x, y = ${white}`;
+  $("kelvin").nextElementSibling.textContent = `${$("kelvin").value} K`;
+});
+$("white").addEventListener("change", () => {
+  put("convert", "white", $("white").value === "kelvin" ? `${$("kelvin").value}K` : $("white").value);
+  changed();
+});
+$("kelvin").addEventListener("input", () => { put("convert", "white", `${$("kelvin").value}K`); changed(); });
+
+for (const path of state.profiles) $("proofs").append(Object.assign(document.createElement("option"), { value: path }));
