@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -226,10 +227,14 @@ Status ExrReader::File::find_channels(const ExrChoice& choice) {
 Status ExrReader::File::read_attributes() {
     exr_attr_chromaticities_t c;
     exr_attr_v2f_t neutral;
+    float luminance = 0;
     if (exr_attr_get_chromaticities(context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS && !image.xyz) {
         image.chromaticities = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
     }
     if (exr_attr_get_v2f(context, 0, "adoptedNeutral", &neutral) == EXR_ERR_SUCCESS) image.adopted_neutral = {neutral.x, neutral.y};
+    if (exr_attr_get_float(context, 0, "whiteLuminance", &luminance) == EXR_ERR_SUCCESS && std::isfinite(luminance) &&
+        luminance > 0)
+        image.white_luminance = static_cast<double>(luminance);
     image.observer = words("latentObserver");
     image.recipe = words("latentRecipe", kLongestRecipe);
     const std::string film = words("latentFilm");

@@ -35,6 +35,7 @@ struct ExrImage {
     // Red, green, blue and white as x, y; absent if the file is silent (or `xyz`).
     std::optional<std::array<float, 8>> chromaticities;
     std::optional<std::array<float, 2>> adopted_neutral;  // x, y of what counts as white in the scene
+    std::optional<double> white_luminance{};              // cd/m^2 of (1, 1, 1)
     std::string observer;                                 // that it was developed with; "" if the file is silent
     std::string recipe{};                                 // the same; base/recipe.h
     std::optional<ExposedFilm> film{};                    // that was exposed

@@ -47,6 +47,16 @@ TEST_F(Exposures, ThatCannotBeAreRefused) {
                                                   {"-s", "1", "--key", "0.2"},
                                                   {"-s", "1", "--auto"},
                                                   {"--auto", "--key", "1"},
+                                                  {"--exposure", "iso:100,time:1/125,f:8", "-s", "1"},
+                                                  {"--exposure", "iso:100,time:1/125,f:8", "--auto"},
+                                                  {"--exposure", "iso:100,time:1/125,f:8", "--key", "0.2"},
+                                                  {"--exposure", "iso:100,time:1/125"},
+                                                  {"--exposure", "iso:100,time:1/125,f:8,f:4"},
+                                                  {"--exposure", "iso:100,time:1/0,f:8"},
+                                                  {"--exposure", "iso:100,time:0/0,f:8"},
+                                                  {"--exposure", "iso:100,time:-1,f:8"},
+                                                  {"--exposure", "iso:100,time:1/125,f:0"},
+                                                  {"--exposure", "100:1/125:8"},
                                                   {"--tone", "aces"},
                                                   {"--tone", "density:1,2"},
                                                   {"--tone", "none", "--contrast", "2"},
@@ -59,6 +69,39 @@ TEST_F(Exposures, ThatCannotBeAreRefused) {
         EXPECT_EQ(outcome.status, 2) << outcome.err;
         EXPECT_FALSE(std::filesystem::exists(folder_ / "a.png"));
     }
+}
+
+// What saturates a sensor of ISO 100 at 1/125 s and f/8 is 78 / (0.65 100 / 125) 8^2 = 9600 cd/m^2 [ISO12232].
+TEST_F(Exposures, OfCamerasPrintSaturationAsDisplayWhite) {
+    bool says_unit = false;
+    const auto sensitivity = [&](const std::string& exposure) {
+        const testing::Outcome outcome = run_tool(
+            {at("a.exr"), "-o", at("a.png"), "--exposure", exposure, "--tone", "linear", "--no-dither", "--json", "--force"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(outcome.err.find("does not say how bright") == std::string::npos, says_unit) << outcome.err;
+        return nlohmann::json::parse(outcome.out)["sensitivity"].get<double>();
+    };
+    const auto write = [&](std::optional<float> unit, float saturation) {
+        says_unit = unit.has_value();
+        write_picture(folder_ / "a.exr", {.width = 3, .height = 1, .white_luminance = unit},
+                      [saturation](int x, int) -> std::array<float, 3> {
+                          const float light = saturation * (x == 0 ? 0.5f : x == 1 ? 0.99f : 1.01f);
+                          return {light * 0.3127f / 0.3290f, light, light * 0.3583f / 0.3290f};
+                      });
+    };
+    for (const std::optional<float> unit : {std::optional<float>(), std::optional(1.0f), std::optional(683.0f)}) {
+        write(unit, 9600 / unit.value_or(1));
+        EXPECT_DOUBLE_EQ(sensitivity("iso:100,time:1/125,f:8"), 2.0 / 9600 * static_cast<double>(unit.value_or(1)));
+        const image::Decoded png = image::decode_png(folder_ / "a.png");
+        EXPECT_EQ(static_cast<int>(png.pixels[1]), 188);
+        EXPECT_EQ(static_cast<int>(png.pixels[4]), 254);
+        EXPECT_EQ(static_cast<int>(png.pixels[7]), 255);
+    }
+    const double usual = sensitivity("f:8,iso:100,time:1/125");
+    EXPECT_DOUBLE_EQ(sensitivity("iso:200,time:1/125,f:8"), 2 * usual);
+    EXPECT_DOUBLE_EQ(sensitivity("iso:100,time:2/125,f:8"), 2 * usual);
+    EXPECT_DOUBLE_EQ(sensitivity("iso:100,time:0.032,f:8"), 4 * usual);
+    EXPECT_DOUBLE_EQ(sensitivity("iso:100,time:1/125,f:4"), 4 * usual);
 }
 
 // A grey ramp: the pixel of luminance 1/sensitivity has the code of half of display white, whatever the curve.

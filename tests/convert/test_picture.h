@@ -36,6 +36,7 @@ struct PictureLayout {
     bool zip = false;
     std::optional<std::array<float, 8>> chromaticities = std::array<float, 8>{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
     std::array<const char*, 3> channels{"R", "G", "B"};
+    std::optional<float> white_luminance{};
     std::map<std::string, std::string> texts{};  // attributes
 };
 
@@ -59,6 +60,7 @@ inline void write_picture(const std::filesystem::path& path, const PictureLayout
     }
     if (layout.channels[0] == std::string("X") || (layout.chromaticities && (*layout.chromaticities)[0] == 1))
         Imf::addAdoptedNeutral(header, {0.3127f, 0.3290f});
+    if (layout.white_luminance) Imf::addWhiteLuminance(header, *layout.white_luminance);
     for (const auto& [name, text] : layout.texts) header.insert(name, Imf::StringAttribute(text));
     std::vector<float> pixels;
     for (int y = window.y0; y < window.y1; ++y) {

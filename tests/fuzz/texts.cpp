@@ -9,6 +9,7 @@
 #include "render/program/arguments.h"
 #include "sampledb/data/parse.h"
 #include "tests/fuzz/target.h"
+#include "tools/convert/camera_exposure.h"
 #include "tools/convert/dodge.h"
 #include "tools/convert/glare.h"
 #include "tools/convert/vignette.h"
@@ -81,8 +82,8 @@ bool run_lens_options(std::string_view text) {
     if (shutter) require(shutter->rolling >= 0 && shutter->rolling < 1, "each row of a rolling shutter is exposed");
     const Result<convert::Glare> glare = convert::parse_glare(text);
     if (glare) require(glare->f_number > 0, "f-numbers are above 0");
-    return aperture || shutter || glare || convert::parse_vignette(text) || convert::parse_dodge(text) ||
-           develop::parse_focus(text);
+    return aperture || shutter || glare || convert::parse_vignette(text) || convert::parse_camera_exposure(text) ||
+           convert::parse_dodge(text) || develop::parse_focus(text);
 }
 
 bool run_json(std::string_view text) {

@@ -76,6 +76,7 @@ TEST_F(Prints, AreMadeAgainFromWhatTheySayOfThemselves) {
           "--dim-fireflies"},
          {"--sensitivity", "2", "--crop", "12,22,60,48", "--gamut", "clip", "--no-dither", "--dpi", "72", "--tiles",
           "--png-tiles"}},
+        {{"--size", "80"}, {"--exposure", "iso:400,time:1/60,f:2.8", "--stops", "-0.5"}},
         {{"--size", "60", "--film", "portra-400", "--push", "1"}, {"--look", "portrait", "--format", "6x7"}},
         {{"--size", "75", "--spectral-bins", "10", "--denoise", "--fraction", "0.5"}, {"--observer", "cie1964", "--key", "0.3"}},
     };

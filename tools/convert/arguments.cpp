@@ -92,6 +92,11 @@ void add_exposure(CLI::App& section, ConvertOptions& options) {
     auto* sensitivity = cli::add_positive_number(
         section, "-s,--sensitivity", options.sensitivity,
         "sensitivity of the film; luminance 1/X prints at half of display white (default: --auto; 1 with --tone none)");
+    auto* exposure = cli::add_parsed(section, "--exposure", options.exposure, parse_camera_exposure,
+                                     "exposure as cameras are set, instead of --sensitivity: speed, time in seconds and f-number, "
+                                     "in any order, such as iso:100,time:1/125,f:8")
+                         ->type_name("iso:S,time:T,f:N")
+                         ->excludes(sensitivity);
     cli::add_parsed(
         section, "--stops", options.stops, parse_stops,
         "exposure correction in stops (EV); negative is darker. Several, such as -1,0,1, write one print each, with the stops "
@@ -101,9 +106,11 @@ void add_exposure(CLI::App& section, ConvertOptions& options) {
     section
         .add_flag("--auto", options.auto_exposure,
                   "choose the sensitivity from the whole picture: its mean prints at 18 % grey, or at --key; the report gives it")
-        ->excludes(sensitivity);
+        ->excludes(sensitivity)
+        ->excludes(exposure);
     cli::add_number(section, "--key", options.key, "grey at which --auto prints the mean (default: 0.18)", 0.001, 0.999)
-        ->excludes(sensitivity);
+        ->excludes(sensitivity)
+        ->excludes(exposure);
 }
 
 void add_tone_and_colour(CLI::App& section, ConvertOptions& options) {

@@ -253,6 +253,12 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         report.auto_sigma = *sigma;
         options.sensitivity = *sigma;
     }
+    if (options.exposure) {
+        if (!source->cd_m2)
+            report.notes.push_back(
+                fmt::format("--exposure: {} does not say how bright Y = 1 is; it is taken as 1 cd/m^2", options.input.string()));
+        options.sensitivity = options.exposure->sensitivity(source->cd_m2.value_or(1));
+    }
     const color::PrintSettings settings{options.sensitivity.value_or(1), tone->tone, *gamut, *adaptation * source->xyz_from_file,
                                         tone->curve};
     const image::ExrImage& image = source->reader.image();

@@ -14,6 +14,7 @@ namespace {
 
 // Options that only a picture not on film has; "": none was given.
 std::string_view plain_option(const ConvertOptions& options) {
+    if (options.exposure) return "--exposure";
     if (options.white) return "--white";
     if (options.paper_decides_tone() && options.tone != "film") return "--tone";
     if (options.paper_decides_tone() && options.contrast != 1) return "--contrast";

@@ -57,6 +57,8 @@ Examples:
       one stop brighter than that
   latent-convert picture.exr -o fixed.png --sensitivity 1.6
       the same exposure for every picture, such as those of an animation
+  latent-convert picture.exr -o camera.png --exposure iso:100,time:1/125,f:8
+      as a camera that is set so shows a scene with lights of true strength
   latent-convert picture.exr -o p3.tif --bits 16 --profile display-p3
       print 16 bits for a wide-gamut display
   latent-convert picture.exr -o lamplight.png --white A

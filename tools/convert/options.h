@@ -16,6 +16,7 @@
 #include "color/print.h"
 #include "color/quantise.h"
 #include "image/rect.h"
+#include "tools/convert/camera_exposure.h"
 #include "tools/convert/darkroom.h"
 #include "tools/convert/device.h"
 #include "tools/convert/dodge.h"
@@ -46,11 +47,12 @@ struct ConvertOptions {
     std::string observer;     // of a spectral picture: of the catalogue, or a CSV file; "": cie1931
     std::string input_space;  // of the pixels, whatever the file says: "xyz", or as of color/rgb_space.h; "": the file's
 
-    std::optional<double> sensitivity;  // sigma, before `stops`; none: chosen from the picture, or 1 with tone "none"
-    bool auto_exposure = false;         // choose it with tone "none" too
-    std::optional<double> key;          // the same, and the grey at which the mean prints; none: 0.18
-    std::vector<double> stops{0};       // by which sigma is pushed; several: a print for each, with the stops in its file names
-    std::string tone = "film";          // color/tone_curve.h, or none
+    std::optional<double> sensitivity;       // sigma, before `stops`; none: chosen from the picture, or 1 with tone "none"
+    std::optional<CameraExposure> exposure;  // that sigma follows from
+    bool auto_exposure = false;              // choose it with tone "none" too
+    std::optional<double> key;               // the same, and the grey at which the mean prints; none: 0.18
+    std::vector<double> stops{0};  // by which sigma is pushed; several: a print for each, with the stops in its file names
+    std::string tone = "film";     // color/tone_curve.h, or none
     double contrast = 1, black = 0;
     std::string gamut = "luminance";
     std::string profile = "srgb";
@@ -89,7 +91,9 @@ struct ConvertOptions {
     std::string recipe;  // base/recipe.h, that prints keep, with that of the picture; "": none
 
     // A film is exposed whatever tone its print has.
-    bool chooses_exposure() const { return auto_exposure || key || (!sensitivity && (tone != "none" || !darkroom.paper.empty())); }
+    bool chooses_exposure() const {
+        return auto_exposure || key || (!sensitivity && !exposure && (tone != "none" || !darkroom.paper.empty()));
+    }
     bool paper_decides_tone() const { return !darkroom.paper.empty() && darkroom.paper != "scan"; }
 };
 

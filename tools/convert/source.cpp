@@ -18,6 +18,7 @@ namespace {
 struct Meaning {
     color::Matrix3 xyz_from_file{};
     color::Chromaticity white = color::RgbSpace::srgb().primaries.white;
+    std::optional<double> cd_m2{};
     std::string observer{};
     std::vector<std::string> warnings{};
 };
@@ -35,7 +36,7 @@ Result<Meaning> see_spectra(const ConvertOptions& options, image::ExrReader& rea
                      fmt::format("{}: has a spectrum of a single channel; two or more are needed", options.input.string())};
     Result<color::Observer> observer = color::observer_by_name_or_file(options.observer);
     if (!observer) return observer.error().at("--observer");
-    Meaning meaning{.white = observer->neutral(), .observer = observer->name()};
+    Meaning meaning{.white = observer->neutral(), .cd_m2 = 1, .observer = observer->name()};
     if (observer->kind() == color::ObserverKind::kCamera) {
         const Result<color::CameraFit> fit = color::fit_camera(*observer);
         if (!fit) return fit.error().at(options.observer).at("--observer");
@@ -57,7 +58,7 @@ Result<Meaning> see_spectra(const ConvertOptions& options, image::ExrReader& rea
 
 // Light in some space: as asked for, else as the file says, else in that of sRGB.
 Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage& image) {
-    Meaning meaning{.observer = image.observer};
+    Meaning meaning{.cd_m2 = image.white_luminance, .observer = image.observer};
     if (image.film) return meaning;  // exposures, which tools/convert/darkroom.h makes a picture of
     color::Primaries primaries = color::RgbSpace::srgb().primaries;
     bool xyz = image.xyz;
@@ -138,8 +139,9 @@ Result<Source> open_source(const ConvertOptions& options) {
     }
     std::optional<FallOff> fall_off;
     if (options.vignette) fall_off.emplace(*options.vignette, image.display_window);
-    return Source{std::move(*reader),           area,    meaning->xyz_from_file, meaning->white, std::move(meaning->observer),
-                  std::move(meaning->warnings), fall_off};
+    return Source{
+        std::move(*reader),           area,    meaning->xyz_from_file, meaning->white, meaning->cd_m2, std::move(meaning->observer),
+        std::move(meaning->warnings), fall_off};
 }
 
 }  // namespace latent::convert
