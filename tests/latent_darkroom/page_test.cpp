@@ -98,6 +98,23 @@ TEST_F(DarkroomPage, EachControlPrintsAsTheCommandLine) {
     EXPECT_EQ(seen[steps.size() + 2]["view"], views[0]);
 }
 
+TEST_F(DarkroomPage, ExposuresOfCamerasAreThoseOfTheCommandLine) {
+    const Json seen = drive({{{"set", {{"iso", "3200"}}}},
+                             {{"set", {{"time", "2"}}}},
+                             {{"set", {{"f-number", "1.4"}}}, {"shot", "camera.png"}},
+                             {{"set", {{"stops", "1"}}}},
+                             {{"set", {{"stops", "0"}, {"iso", ""}}}}});
+    const std::vector<std::vector<std::string>> options = {{"--exposure", "iso:3200,time:1/125,f:8"},
+                                                           {"--exposure", "iso:3200,time:2,f:8"},
+                                                           {"--exposure", "iso:3200,time:2,f:1.4"},
+                                                           {"--exposure", "iso:3200,time:2,f:1.4", "--stops", "1"},
+                                                           {}};
+    for (std::size_t i = 0; i < options.size(); ++i) {
+        EXPECT_EQ(seen[i]["error"], "");
+        EXPECT_TRUE(is_same(bytes_from_base64(seen[i]["tile"]), printed(options[i]))) << i;
+    }
+}
+
 TEST_F(DarkroomPage, LampsAndGelsAreThoseOfTheCommandLine) {
     const std::string lamp = "[aria-label='Lamp of lamp']", gel = "[aria-label='Gel of lamp']";
     const Json seen = drive({{{"set", {{gel, "wratten-80a, wratten-3"}}}, {"shot", "gel.png"}},

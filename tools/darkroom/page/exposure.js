@@ -14,8 +14,27 @@ bind("profile", "convert", "profile", "srgb");
 bind("proof", "convert", "proof", "");
 bind("intent", "convert", "intent", "perceptual");
 
-shows.push(() => { $("sensitivity").textContent = `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
-$("auto").addEventListener("click", () => { put("convert", "sensitivity", undefined); put("convert", "auto", true); changed(); });
+shows.push(() => { $("sensitivity").textContent = get("convert", "exposure") ? "" : `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
+/** Takes the place of how bright the print was. @param {"auto" | "exposure"} key @param {any} value */
+function expose(key, value) {
+  for (const other of ["sensitivity", "key", "auto", "exposure"]) put("convert", other, undefined);
+  put("convert", key, value);
+  changed();
+}
+$("auto").addEventListener("click", () => expose("auto", true));
+
+// The exposure of a camera: "iso:100,time:1/125,f:8". One that is set brings the others; one that is emptied ends it.
+const settings = [["iso", "iso", "100"], ["time", "time", "1/125"], ["f-number", "f", "8"]];
+for (const [id] of settings) {
+  $(id).addEventListener("change", () => {
+    const all = settings.map(([other, name, usual]) => `${name}:${$(other).value.trim() || usual}`);
+    expose("exposure", $(id).value.trim() ? all.join(",") : undefined);
+  });
+}
+shows.push(() => {
+  const parts = new Map(String(get("convert", "exposure") ?? "").split(",").map((part) => /** @type {[string, string]} */ (part.split(":"))));
+  for (const [id, name] of settings) $(id).value = parts.get(name) ?? "";
+});
 
 $("clipped").addEventListener("change", () => { put("convert", "show", $("clipped").checked ? "clipped" : undefined); changed(); });
 shows.push(() => { $("clipped").checked = get("convert", "show") === "clipped"; });
