@@ -184,6 +184,10 @@ TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
                              {{"click", "exposure-follows"}},
                              {{"set", {{"shutter", ""}, {"aperture", "0.4"}}}},
                              {{"set", {{"blades", "6"}}}},
+                             {{"set", {{"anamorphic", "1.5"}, {"cat-eye", "0.4"}}}},
+                             {{"click", "gaussian"}, {"shot", "rim.png"}},
+                             {{"set", {{"anamorphic", ""}, {"cat-eye", ""}}}},
+                             {{"click", "gaussian"}},
                              {{"click", "focus-here"}, {"shot", "lens.png"}},
                              {{"at", {468, 360}}}});
     const auto printed_of_lens = [&](const std::vector<std::string>& options) {
@@ -195,15 +199,21 @@ TEST_F(DarkroomPage, TheLensAndTheShutterAreThoseOfTheCommandLine) {
     EXPECT_TRUE(is_same(bytes_from_base64(seen[0]["tile"]), automatic));
     EXPECT_TRUE(is_same(bytes_from_base64(seen[1]["tile"]), printed_of_lens(options)));
     EXPECT_TRUE(is_same(bytes_from_base64(seen[2]["tile"]), printed_of_lens(with(options, {"--exposure-follows"}))));
-    const std::vector<std::string> stopped_down{options[0], options[1], "--exposure-follows", "--aperture", "f:0.4"};
+    const auto through = [&](const std::string& aperture) {
+        return std::vector<std::string>{options[0], options[1], "--exposure-follows", "--aperture", aperture};
+    };
     EXPECT_EQ(seen[3]["error"], "");
-    EXPECT_TRUE(is_same(bytes_from_base64(seen[3]["tile"]), printed_of_lens(stopped_down)));
-    const std::vector<std::string> bladed{options[0], options[1], "--exposure-follows", "--aperture", "f:0.4,blades:6"};
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[3]["tile"]), printed_of_lens(through("f:0.4"))));
+    const std::vector<std::string> bladed = through("f:0.4,blades:6");
     EXPECT_TRUE(is_same(bytes_from_base64(seen[4]["tile"]), printed_of_lens(bladed)));
-    const double focus = seen[6]["recipe"]["develop"]["focus"];
+    const std::string ovals = "f:0.4,blades:6,anamorphic:1.5,cat-eye:0.4";
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[5]["tile"]), printed_of_lens(through(ovals))));
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[6]["tile"]), printed_of_lens(through(ovals + ",gaussian"))));
+    EXPECT_EQ(seen[8]["tile"], seen[4]["tile"]);
+    const double focus = seen[10]["recipe"]["develop"]["focus"];
     EXPECT_NEAR(focus, 2.2, 0.1);  // the front of the sphere
     EXPECT_EQ(get("api/distance?width=300&x=0&y=0")["distance"], "infinity");
-    EXPECT_TRUE(is_same(bytes_from_base64(seen[6]["tile"]), printed_of_lens(with(bladed, {"--focus", fmt::format("{}", focus)}))));
+    EXPECT_TRUE(is_same(bytes_from_base64(seen[10]["tile"]), printed_of_lens(with(bladed, {"--focus", fmt::format("{}", focus)}))));
 }
 
 // The picture has 936 x 624 pixels of the screen, from 0,48 on.

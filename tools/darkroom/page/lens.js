@@ -12,16 +12,21 @@ bind("shutter", "develop", "shutter", "");
 bind("exposure-follows", "develop", "exposure-follows", false);
 bind("focus", "develop", "focus", "");
 
-// The aperture: "f:8,blades:6", and what else a recipe says of it.
+// The aperture: "f:8,blades:6,gaussian", and what else a recipe says of it.
 const aperture_parts = () => String(get("develop", "aperture") ?? "").split(",").filter(Boolean);
-for (const [id, prefix] of [["aperture", "f:"], ["blades", "blades:"]]) {
-  $(id).addEventListener("change", () => {
-    const others = aperture_parts().filter((part) => !part.startsWith(prefix) && !(id === "aperture" && Number.isFinite(Number(part))));
-    put("develop", "aperture", [...others, ...$(id).value ? [prefix + $(id).value] : []].join(","));
-    changed();
-  });
+/** @param {(part: string) => boolean} old @param {string} part that takes the place of `old`; "": none does */
+function put_aperture(old, part) {
+  put("develop", "aperture", [...aperture_parts().filter((other) => !old(other)), part].filter(Boolean).join(","));
+  changed();
+}
+for (const [id, prefix] of [["aperture", "f:"], ["blades", "blades:"], ["anamorphic", "anamorphic:"], ["cat-eye", "cat-eye:"]]) {
+  const is_old = (/** @type {string} */ part) => part.startsWith(prefix) || (id === "aperture" && Number.isFinite(Number(part)));
+  $(id).addEventListener("change", () => put_aperture(is_old, $(id).value && prefix + $(id).value));
   shows.push(() => { $(id).value = aperture_parts().find((part) => part.startsWith(prefix))?.slice(prefix.length) ?? ""; });
 }
+const is_gaussian = (/** @type {string} */ part) => part === "gaussian";
+$("gaussian").addEventListener("change", () => put_aperture(is_gaussian, $("gaussian").checked ? "gaussian" : ""));
+shows.push(() => { $("gaussian").checked = aperture_parts().some(is_gaussian); });
 
 $("lens").hidden = state.f_number === null;
 $("focus-here").hidden = !state.depth;
