@@ -18,6 +18,7 @@
 #include "tools/develop/engine/positive.h"
 #include "tools/develop/engine/record_batch.h"
 #include "tools/develop/engine/regions.h"
+#include "tools/develop/engine/spot.h"
 
 namespace latent::develop {
 
@@ -450,18 +451,30 @@ class Engine {
     std::unique_ptr<Assembly> assembly_;
 };
 
+// What a crop needs of all records. Fireflies are found among those of whole cells, and a lens may move records into the crop.
+std::optional<Spot> spot_of(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings) {
+    const PixelRect& crop = settings.crop;
+    const bool is_whole = crop == PixelRect{0, 0, settings.width, settings.height};
+    if (is_whole || settings.dim_fireflies || (channels.lens() && channels.lens()->moves_records())) return std::nullopt;
+    const int reach = settings.filter.reach();
+    return std::optional<Spot>(std::in_place, run_set, positions_reaching(crop.x0, crop.x1, settings.width, reach),
+                               positions_reaching(crop.y0, crop.y1, settings.height, reach));
+}
+
 }  // namespace
 
 Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings, TileSink& sink,
                               const Progress& progress) {
-    return Engine(run_set, channels, settings, sink).run(progress);
+    const std::optional<Spot> spot = spot_of(run_set, channels, settings);
+    return Engine(spot ? *spot : run_set, channels, settings, sink).run(progress);
 }
 
 Result<PlannedWork> planned_work(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings) {
     class NoSink final : public TileSink {
         Status write(int, int, std::span<const float>) override { return {}; }
     } none;
-    return Engine(run_set, channels, settings, none).planned_work();
+    const std::optional<Spot> spot = spot_of(run_set, channels, settings);
+    return Engine(spot ? *spot : run_set, channels, settings, none).planned_work();
 }
 
 }  // namespace latent::develop

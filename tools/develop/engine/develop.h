@@ -28,7 +28,7 @@ struct Settings {
 };
 
 struct DevelopCounts {
-    std::uint64_t camera_records = 0, light_records = 0;  // developed: of the selected samples, in cells that reach into the crop
+    std::uint64_t camera_records = 0, light_records = 0;  // developed: of the selected samples, those that may reach into the crop
     std::uint64_t light_paths = 0;                        // N
     std::uint64_t regions = 0, batches = 0, panes = 0;
     std::uint64_t pages = 0, pages_decoded = 0;  // pages that the crop needs; decoded, repeats included
