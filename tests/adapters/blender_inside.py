@@ -1,5 +1,4 @@
 """Run by blender_test.py inside Blender: ZIP FOLDER SOURCES. Installs the add-on from the zip into a fresh profile, and renders with it."""
-import functools
 import importlib
 import os
 import pathlib
@@ -623,9 +622,7 @@ class Context:
 engine.last.update(lost=["material floor: something"], wanted=[("floor", "node", "Color")])
 for panel in panels.CLASSES:
     layout = Layout()
-    holder = types.SimpleNamespace(layout=layout, FIELDS=panel.FIELDS, settings=panel.settings)
-    holder.more = functools.partial(panel.more, holder)
-    panel.draw(holder, Context)
+    panel.draw(types.SimpleNamespace(layout=layout), Context)
     check(f"panel {panel.bl_label} shows what there is", panel.poll(Context) and layout.count > 0, layout.count)
 
 shown = {panel.__name__ for panel in bpy.types.Panel.__subclasses__() if "LATENT" in getattr(panel, "COMPAT_ENGINES", ())}

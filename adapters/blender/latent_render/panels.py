@@ -26,107 +26,82 @@ def wrapped(layout, text, icon):
         column.label(text=line, icon="BLANK1" if number else icon)
 
 
-class LatentPanel:
-    """Shows the properties in FIELDS of what `settings` returns, if there is such a thing; subclasses add to it."""
+# ----- what stands below the fields of a panel
 
-    bl_space_type, bl_region_type, bl_context = "PROPERTIES", "WINDOW", "render"
-    COMPAT_ENGINES, FIELDS = {"LATENT"}, ()
-    settings = staticmethod(lambda context: context.scene.latent)
 
-    @classmethod
-    def poll(cls, context):
-        return context.engine == "LATENT" and bool(cls.settings(context))
+def job(layout, _):
+    layout.operator("latent.clean")
+
+
+def samples(layout, _):
+    if engine.last["word"]:
+        wrapped(layout, engine.last["word"], "INFO")
+
+
+def motion(layout, context):
+    render = context.scene.render
+    layout.prop(render, "use_motion_blur")
+    layout.prop(render if hasattr(render, "motion_blur_position") else context.scene.cycles, "motion_blur_position", text="Position")
+    layout.prop(render, "motion_blur_shutter", text="Shutter")
+
+
+def lost(layout, _):
+    for line in engine.last["lost"]:
+        wrapped(layout, line, "ERROR")
+    if engine.last["wanted"]:
+        layout.operator("latent.bake")
+
+
+def darkroom(layout, context):
+    for light in context.scene.latent.darkroom.mix:
+        row = layout.row(align=True)
+        row.prop(light, "factor", text=light.name)
+        row.prop(light, "mute", text="", icon="HIDE_ON" if light.mute else "HIDE_OFF")
+        row.prop(light, "solo", text="", icon="SOLO_ON" if light.solo else "SOLO_OFF")
+        layout.prop(light, "change")
+    layout.operator("latent.develop")
+    layout.operator("latent.darkroom")
+
+
+def farm(layout, _):
+    row = layout.row()
+    row.operator("latent.farm", text="Plan this frame").animation = False
+    row.operator("latent.farm", text="Plan all frames").animation = True
+
+
+def lamp(layout, context):
+    if context.light.latent.spectrum in ("DAYLIGHT", "BLACKBODY"):
+        layout.prop(context.light.latent, "kelvin")
+    layout.prop(context.light.latent, "visible")
+    if context.light.type == "AREA":
+        layout.prop(context.light, "spread")
+
+
+def panel(label, context, *fields, settings=lambda context: context.scene.latent, more=None, closed=False):
+    """A class that shows some properties of what `settings` returns, if there is such a thing, and then what `more` adds."""
 
     def draw(self, context):
         self.layout.use_property_split = True
-        for name in self.FIELDS:
-            self.layout.prop(self.settings(context), name)
-        self.more(self.layout, context)
+        for name in fields:
+            self.layout.prop(settings(context), name)
+        if more:
+            more(self.layout, context)
 
-    def more(self, layout, context):
-        pass
-
-
-class LATENT_PT_samples(LatentPanel, bpy.types.Panel):
-    bl_label, FIELDS = "Samples", ("samples", "integrator", "max_depth", "record", "light_groups")
-
-    def more(self, layout, _):
-        if engine.last["word"]:
-            wrapped(layout, engine.last["word"], "INFO")
+    shown = classmethod(lambda _, context: context.engine == "LATENT" and bool(settings(context)))
+    return type(f"LATENT_PT_{label.replace(' ', '_').lower()}", (bpy.types.Panel,), {
+        "bl_label": label, "bl_context": context, "bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW",
+        "bl_options": {"DEFAULT_CLOSED"} if closed else set(), "COMPAT_ENGINES": {"LATENT"}, "draw": draw, "poll": shown})
 
 
-class LATENT_PT_motion(LatentPanel, bpy.types.Panel):
-    bl_label, bl_options = "Motion Blur", {"DEFAULT_CLOSED"}
-
-    def draw_header(self, context):
-        self.layout.prop(context.scene.render, "use_motion_blur", text="")
-
-    def more(self, layout, context):
-        render = context.scene.render
-        layout.prop(render if hasattr(render, "motion_blur_position") else context.scene.cycles, "motion_blur_position", text="Position")
-        layout.prop(render, "motion_blur_shutter", text="Shutter")
-
-
-class LATENT_PT_job(LatentPanel, bpy.types.Panel):
-    bl_label, bl_options, FIELDS = "Job", {"DEFAULT_CLOSED"}, ("folder", "seed", "portals", "keep_time", "render_options", "develop_options")
-
-    def more(self, layout, _):
-        layout.operator("latent.clean")
-
-
-class LATENT_PT_lost(LatentPanel, bpy.types.Panel):
-    bl_label, settings = "Not exported", staticmethod(lambda _: engine.last["lost"])
-
-    def more(self, layout, context):
-        for line in self.settings(context):
-            wrapped(layout, line, "ERROR")
-        if engine.last["wanted"]:
-            layout.operator("latent.bake")
-
-
-class LATENT_PT_darkroom(LatentPanel, bpy.types.Panel):
-    bl_label, FIELDS = "Darkroom", ("observer", "film", "paper", "stops", "noise", "aperture", "shutter")
-    settings = staticmethod(lambda context: context.scene.latent.darkroom)
-
-    def more(self, layout, context):
-        for light in self.settings(context).mix:
-            row = layout.row(align=True)
-            row.prop(light, "factor", text=light.name)
-            row.prop(light, "mute", text="", icon="HIDE_ON" if light.mute else "HIDE_OFF")
-            row.prop(light, "solo", text="", icon="SOLO_ON" if light.solo else "SOLO_OFF")
-            layout.prop(light, "change")
-        layout.operator("latent.develop")
-        layout.operator("latent.darkroom")
-
-
-class LATENT_PT_farm(LatentPanel, bpy.types.Panel):
-    bl_label, bl_options, FIELDS = "Farm", {"DEFAULT_CLOSED"}, ("farm_folder",)
-
-    def more(self, layout, _):
-        row = layout.row()
-        row.operator("latent.farm", text="Plan this frame").animation = False
-        row.operator("latent.farm", text="Plan all frames").animation = True
-
-
-class LATENT_PT_passes(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context, FIELDS = "Passes", "view_layer", ("layers",)
-
-
-class LATENT_PT_material(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context, FIELDS = "Spectra", "material", ("metal", "glass", "abbe", "reflectance")
-    settings = staticmethod(lambda context: context.material and context.material.latent)
-
-
-class LATENT_PT_lamp(LatentPanel, bpy.types.Panel):
-    bl_label, bl_context, FIELDS = "Spectrum", "data", ("spectrum",)
-    settings = staticmethod(lambda context: context.light and context.light.latent)
-
-    def more(self, layout, context):
-        if self.settings(context).spectrum in ("DAYLIGHT", "BLACKBODY"):
-            layout.prop(self.settings(context), "kelvin")
-        layout.prop(self.settings(context), "visible")
-        if context.light.type == "AREA":
-            layout.prop(context.light, "spread")
-
-
-CLASSES = (LATENT_PT_samples, LATENT_PT_lost, LATENT_PT_darkroom, LATENT_PT_motion, LATENT_PT_job, LATENT_PT_farm, LATENT_PT_passes, LATENT_PT_material, LATENT_PT_lamp)
+CLASSES = (
+    panel("Samples", "render", "samples", "integrator", "max_depth", "record", "light_groups", more=samples),
+    panel("Not exported", "render", settings=lambda _: engine.last["lost"], more=lost),
+    panel("Darkroom", "render", "observer", "film", "paper", "stops", "noise", "aperture", "shutter",
+          settings=lambda context: context.scene.latent.darkroom, more=darkroom),
+    panel("Motion Blur", "render", more=motion, closed=True),
+    panel("Job", "render", "folder", "seed", "portals", "keep_time", "render_options", "develop_options", more=job, closed=True),
+    panel("Farm", "render", "farm_folder", more=farm, closed=True),
+    panel("Passes", "view_layer", "layers"),
+    panel("Spectra", "material", "metal", "glass", "abbe", "reflectance", settings=lambda context: context.material and context.material.latent),
+    panel("Spectrum", "data", "spectrum", settings=lambda context: context.light and context.light.latent, more=lamp),
+)
