@@ -77,7 +77,7 @@ class Meshes(unittest.TestCase):
             document = pbrt.Document()
             document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 4, "integer yresolution": 4}), "Scale 1 1 -1",
                              pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-0.5, 0.5, -0.5, 0.5]})]
-            color = document.texture("spectrum", "latent:vertexcolor", {})
+            color = document.define("Texture", "spectrum", "latent:vertexcolor")
             made = document.material("diffuse", {"texture reflectance": color})
             document.body = [pbrt.directive("LightSource", "infinite", **{"rgb L": [1.0, 1.0, 1.0]}), "Translate 0 0 -1", f'NamedMaterial "{made}"',
                              iter([pbrt.directive("Shape", "plymesh", **{"string filename": name})])]
@@ -119,7 +119,7 @@ class Pictures(unittest.TestCase):
             document = pbrt.Document()
             document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 2, "integer yresolution": 2}), "Scale 1 1 -1",
                              pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-1.0, 1.0, -1.0, 1.0]})]
-            color = document.texture("spectrum", "imagemap", {"string filename": drawn, "string filter": "point"})
+            color = document.define("Texture", "spectrum", "imagemap", **{"string filename": drawn, "string filter": "point"})
             made = document.material("diffuse", {"texture reflectance": color})
             document.body = [pbrt.directive("LightSource", "infinite", **{"rgb L": [1.0, 1.0, 1.0]}), "Translate 0 0 -1", f'NamedMaterial "{made}"',
                              'Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]']

@@ -18,11 +18,6 @@ def size(scene):
     return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
 
 
-def film(scene):
-    width, height = size(scene)
-    return directive("Film", "rgb", **{"integer xresolution": width, "integer yresolution": height})
-
-
 def export(scene, owner, poses, report):
     """Directives. `owner`: the evaluated object; `poses`: its matrices when the shutter opens and closes."""
     data, lost = owner.data, report.of(f"camera {owner.name}")
@@ -43,7 +38,10 @@ def export(scene, owner, poses, report):
     if data.dof.use_dof and data.type == "ORTHO":
         lost("an orthographic camera has no depth of field")
     elif data.dof.use_dof:
-        parameters |= {"float lensradius": data.lens * 5e-4 / max(1e-6, data.dof.aperture_fstop), "float focaldistance": max(1e-4, focus(owner, poses[0]))}
+        target, distance, pose = data.dof.focus_object, data.dof.focus_distance, poses[0]
+        if target:
+            distance = abs((target.matrix_world.translation - pose.translation).dot(pose.col[2].xyz.normalized()))
+        parameters |= {"float lensradius": data.lens * 5e-4 / max(1e-6, data.dof.aperture_fstop), "float focaldistance": max(1e-4, distance)}
         if abs(data.dof.aperture_ratio - 1) > 1e-3:
             lost("anamorphic bokeh is left out here (Darkroom has it)")
     return [place, directive("Camera", kind, **parameters)]
@@ -91,14 +89,6 @@ def sees_balls(scene, owner, centers, radii, near=0.0, far=np.inf):
     """Which of some balls, by the cubes around them."""
     cubes = np.reshape(centers, (-1, 1, 3)) + np.reshape(radii, (-1, 1, 1)) * CUBE
     return sees(scene, owner, cubes.reshape(-1, 3), np.arange(cubes.size // 3).reshape(-1, 8), near, far)
-
-
-def focus(owner, pose):
-    """The distance along the axis."""
-    target = owner.data.dof.focus_object
-    if target is None:
-        return owner.data.dof.focus_distance
-    return abs((target.matrix_world.translation - pose.translation).dot(pose.col[2].xyz.normalized()))
 
 
 def blades(data):

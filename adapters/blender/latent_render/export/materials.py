@@ -382,7 +382,7 @@ def export(document, material, report, files, light_name):
     if output and output.inputs["Displacement"].is_linked:
         reader.lost("displacement is left out; use a modifier, or a Bump node")
     inside = output and volumes.coefficients(output, reader)
-    lines = [f'MediumInterface "{document.medium("homogeneous", inside)}" ""'] if inside else []
+    lines = [f'MediumInterface "{document.define("MakeNamedMedium", **{"string type": "homogeneous", **inside})}" ""'] if inside else []
     if surface.is_clear or inside and not output.inputs["Surface"].is_linked:
         lines.append('Material "interface"')
     else:

@@ -7,7 +7,7 @@ import numpy as np
 from ..develop import RGB_FROM_XYZ
 from .pictures import picture
 from .report import Unknown
-from .values import BLACK, WHITE, Constant, Texture, arithmetic, clamped, constant, each, is_constant, mix, product, rest
+from .values import BLACK, WHITE, Constant, Texture, clamped, constant, each, is_constant, mix, product, rest
 
 
 def all_nodes(tree):
@@ -99,13 +99,11 @@ class Graph:
 
     def constant(self, node, *names):
         """Where Latent takes no texture."""
-        value = self.of(node, *names)
-        if value is None:
-            return BLACK
-        if not is_constant(value):
-            self.lost(f"{node.bl_label}: the texture of {names[0]} is replaced by its default")
-            value = default(self.input(node, *names))
-        return value
+        value = self.of(node, *names) or BLACK
+        if is_constant(value):
+            return value
+        self.lost(f"{node.bl_label}: the texture of {names[0]} is replaced by its default")
+        return default(self.input(node, *names))
 
     def number(self, node, *names):
         return self.constant(node, *names).number()
@@ -132,7 +130,7 @@ def power(a, b):
 BLENDS = {
     "MIX": mix,
     "MULTIPLY": lambda a, b, t: product(a, mix(WHITE, b, t)),
-    **{name: lambda a, b, t, blend=blend: arithmetic(lambda x, y, w: x + (blend(x, y) - x) * w, a, b, t) for name, blend in (
+    **{name: lambda a, b, t, blend=blend: each(lambda x, y, w: x + (blend(x, y) - x) * w, a, b, t) for name, blend in (
         ("ADD", operator.add), ("SUBTRACT", operator.sub), ("SCREEN", lambda x, y: 1 - (1 - y) * (1 - x)), ("DARKEN", min), ("LIGHTEN", max),
         ("DIFFERENCE", lambda x, y: abs(x - y)), ("DIVIDE", lambda x, y: x / y if y else x))},
 }
@@ -170,7 +168,7 @@ def math_node(graph, node, _):
         return rest(second)
     if node.operation not in MATHS:
         raise Unknown(f"Math ({node.operation.lower()})")
-    return result(graph, arithmetic(MATHS[node.operation], first, second), node.use_clamp)
+    return result(graph, each(MATHS[node.operation], first, second), node.use_clamp)
 
 
 def ramp(graph, node, output):
@@ -234,8 +232,7 @@ def fresnel(graph, node, output):
     return constant(0.0 if output.name == "Facing" else ((ior - 1) / (ior + 1)) ** 2)
 
 
-def light_path(graph, node, output):
-    """What light meets, not what the camera or any other kind of ray does."""
+def light_path(graph, _, output):
     graph.lost(f"Light Path, {output.name}, is 0, also for the camera")
     return BLACK
 
@@ -256,8 +253,8 @@ VALUES = {
     "MATH": math_node,
     "VALTORGB": ramp,
     "INVERT": invert,
-    "GAMMA": lambda graph, node, _: arithmetic(lambda c, g: power(max(0.0, c), g), graph.of(node, "Color"), graph.of(node, "Gamma")),
-    "CLAMP": lambda graph, node, _: arithmetic(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max"))),
+    "GAMMA": lambda graph, node, _: each(lambda c, g: power(max(0.0, c), g), graph.of(node, "Color"), graph.of(node, "Gamma")),
+    "CLAMP": lambda graph, node, _: each(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max"))),
     "RGBTOBW": grey,
     "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
     "TEX_CHECKER": checker,

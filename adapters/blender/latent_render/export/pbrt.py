@@ -50,22 +50,15 @@ class Document:
     def __init__(self):
         self.head, self.definitions, self.body = [], {}, []
 
-    def define(self, kind, word, *names, **parameters):
-        """Adds a definition, unless there is the same: returns its name."""
+    def define(self, word, *names, **parameters):
+        """Adds a definition, such as a MakeNamedMaterial, unless there is the same: returns its name."""
         digest = hashlib.blake2b(directive(word, *names, **parameters).encode(), digest_size=6).hexdigest()
-        name = f"{kind} {digest}"
+        name = f"{word.removeprefix('MakeNamed').lower()} {digest}"
         self.definitions[name] = directive(word, name, *names, **parameters)
         return name
 
-    def texture(self, kind, of, parameters):
-        """`kind`: float or spectrum; `of`: such as imagemap."""
-        return self.define("texture", "Texture", kind, of, **parameters)
-
-    def material(self, of, parameters):
-        return self.define("material", "MakeNamedMaterial", **{"string type": of, **parameters})
-
-    def medium(self, of, parameters):
-        return self.define("medium", "MakeNamedMedium", **{"string type": of, **parameters})
+    def material(self, kind, parameters):
+        return self.define("MakeNamedMaterial", **{"string type": kind, **parameters})
 
     def lines(self):
         yield from self.head

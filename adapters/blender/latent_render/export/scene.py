@@ -82,7 +82,8 @@ class Exporter:
         view = self.scene.camera.evaluated_get(self.depsgraph)  # Blender does not render without one
         self.clip(view)
         kind, depth = "bdpt" if self.settings.integrator == "BDPT" else "volpath", self.settings.max_depth
-        film, body = camera.film(self.scene), self.document.body
+        width, height = camera.size(self.scene)
+        film, body = directive("Film", "rgb", **{"integer xresolution": width, "integer yresolution": height}), self.document.body
         lens = camera.export(self.scene, view, [self.opened["camera"], self.closed["camera"]] if shutter else [view.matrix_world], self.report)
         for part, lines in (("resolution", [film]), ("camera", lens), ("integrator", [kind]), ("bounces", [str(depth)])):
             self.part(part, lines)

@@ -52,20 +52,16 @@ def parameter(document, name, kind, value):
     parameters = dict(value.parameters)
     for key, inner in value.inputs.items():
         parameters |= parameter(document, key, "float" if key in ("amount", "scale") else kind, inner)
-    return {f"texture {name}": document.texture(kind, value.kind, parameters)}
+    return {f"texture {name}": document.define("Texture", kind, value.kind, **parameters)}
 
 
 # ----- arithmetic
 
 
 def each(function, *values):
-    return Constant(tuple(float(function(*components)) for components in zip(*(value.rgb for value in values))))
-
-
-def arithmetic(function, *values):
     if not is_constant(*values):
         raise Unknown("arithmetic with a picture")
-    return each(function, *values)
+    return Constant(tuple(float(function(*components)) for components in zip(*(value.rgb for value in values))))
 
 
 def clamped(value):
