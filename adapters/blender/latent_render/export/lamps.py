@@ -11,46 +11,9 @@ from .pbrt import directive, matrix
 from .report import find
 from .values import is_constant
 
-
-def strength(lamp, lost):
-    """The colour of a lamp: its own times that of its nodes; and the profile of an IES texture, or None."""
-    tint, factor = lamp.temperature_color if getattr(lamp, "use_temperature", False) else (1, 1, 1), 2.0 ** getattr(lamp, "exposure", 0.0)
-    if lamp.type != "AREA" and not getattr(lamp, "normalize", True):
-        factor *= divisor(lamp)
-    color = [factor * c * t for c, t in zip(lamp.color, tint)]
-    if not lamp.use_nodes or not lamp.node_tree:
-        return color, None
-    graph = Graph(lamp.node_tree, lost)
-    output = graph.output("OUTPUT_LIGHT")
-    node, _ = output and graph.source(output.inputs["Surface"]) or (None, None)
-    if not node or node.type != "EMISSION":
-        lost("its nodes are ignored: no Emission leads to the output")
-        return color, None
-    texture, _ = graph.source(node.inputs["Strength"]) or (None, None)
-    profile = read_profile(graph, texture, lost) if texture and texture.type == "TEX_IES" else None
-    emitted, amount = graph.of(node, "Color"), graph.of(texture if profile else node, "Strength")
-    if not is_constant(emitted, amount):
-        lost("a texture of its nodes is ignored")
-        return color, None
-    return [c * n * amount.number() for c, n in zip(color, emitted.rgb)], profile
-
-
-def divisor(lamp):
-    """What divides the power of a ball or a sun, unless Normalize (since Blender 4.5) is off."""
-    return math.pi * math.sin(lamp.angle / 2) ** 2 or 1.0 if lamp.type == "SUN" else 4 * math.pi * lamp.shadow_soft_size**2 or 4.0
-
-
-def read_profile(graph, node, lost):
-    if node.inputs["Vector"].is_linked:
-        lost("the coordinates of its IES profile are its own")
-    try:
-        if node.mode == "INTERNAL":
-            return ies.Profile(node.ies.as_string() if node.ies else "")
-        with open(bpy.path.abspath(node.filepath), encoding="latin-1") as file:
-            return ies.Profile(file.read())
-    except (OSError, ValueError, IndexError) as error:
-        lost(f"its IES profile is left out: {error}")
-        return None
+ALONG_Z = {"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]}
+# Watts of an area lamp for each unit of radiance and area: Blender 3's counted pi / 4 of the power.
+AREA_FACTOR = math.pi if bpy.app.version >= (4, 0, 0) else 4.0
 
 
 class Lamp:
@@ -59,7 +22,44 @@ class Lamp:
     def __init__(self, owner, name, report, files, scene_ball, sees):
         self.owner, self.data, self.name, self.files, self.scene_ball, self.sees = owner, owner.data, name, files, scene_ball, sees
         self.lost, self.lost_of_all = report.of(f"lamp {owner.name}"), report.of("lamps")
-        self.color, self.profile = strength(self.data, self.lost)
+        self.profile = None  # of an IES texture
+        data = self.data
+        factor = 2.0 ** getattr(data, "exposure", 0.0)
+        if data.type != "AREA" and not getattr(data, "normalize", True):  # since Blender 4.5
+            factor *= math.pi * math.sin(data.angle / 2) ** 2 or 1.0 if data.type == "SUN" else 4 * math.pi * data.shadow_soft_size**2 or 4.0
+        tint = data.temperature_color if getattr(data, "use_temperature", False) else (1, 1, 1)
+        self.color = [factor * c * t * n for c, t, n in zip(data.color, tint, self.emitted())]
+
+    def emitted(self):
+        """The colour that the nodes of the lamp give."""
+        if not self.data.use_nodes or not self.data.node_tree:
+            return 1, 1, 1
+        graph = Graph(self.data.node_tree, self.lost)
+        output = graph.output("OUTPUT_LIGHT")
+        node, _ = output and graph.source(output.inputs["Surface"]) or (None, None)
+        if not node or node.type != "EMISSION":
+            self.lost("its nodes are ignored: no Emission leads to the output")
+            return 1, 1, 1
+        texture, _ = graph.source(node.inputs["Strength"]) or (None, None)
+        self.profile = self.read_profile(texture) if texture and texture.type == "TEX_IES" else None
+        color, amount = graph.of(node, "Color"), graph.of(texture if self.profile else node, "Strength")
+        if is_constant(color, amount):
+            return [c * amount.number() for c in color.rgb]
+        self.profile = None
+        self.lost("a texture of its nodes is ignored")
+        return 1, 1, 1
+
+    def read_profile(self, node):
+        if node.inputs["Vector"].is_linked:
+            self.lost("the coordinates of its IES profile are its own")
+        try:
+            if node.mode == "INTERNAL":
+                return ies.Profile(node.ies.as_string() if node.ies else "")
+            with open(bpy.path.abspath(node.filepath), encoding="latin-1") as file:
+                return ies.Profile(file.read())
+        except (OSError, ValueError, IndexError) as error:
+            self.lost(f"its IES profile is left out: {error}")
+            return None
 
     def export(self, pose):
         """Directives of the lamp at `pose`."""
@@ -79,6 +79,7 @@ class Lamp:
         place, *lines = MAKERS[kind](self, pose, watts)
         return ["AttributeBegin", matrix(place), *lines, "AttributeEnd"]
 
+    # What the kinds of lamps are made of.
     def source(self, kind, key, scale, word="LightSource", **more):
         spectrum, factor = spectra.lamp(self.data.latent, key, self.color)
         return directive(word, kind, **{**spectrum, "float scale": float(scale * factor), "string name": self.name, **more})
@@ -107,88 +108,71 @@ class Lamp:
             unseen = ", so the camera does not see it" if self.owner.visible_camera else ""
             self.lost(f"its size is left out{unseen}: its shadows are sharp")
 
+    # Each kind: its place, and its lines.
+    def point(self, pose, watts):
+        radius = self.data.shadow_soft_size
+        if self.profile:
+            return self.by_direction(pose, watts)
+        if radius < 1e-6:
+            return [at(pose), self.source("point", "I", watts / (4 * math.pi))]
+        return [at(pose), *self.surface("sphere", {"float radius": radius}, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
+
+    def spot(self, pose, watts):
+        """The edge is a smoothstep of the cosine, as pbrt's."""
+        cone = self.data.spot_size / 2
+        outer = math.cos(cone)
+        inner = outer + (1 - outer) * self.data.spot_blend
+        stretch = np.maximum(1e-6, np.abs(pose.to_scale())) if bpy.app.version >= (4, 0, 0) else np.ones(3)
+        if self.profile or np.ptp(stretch) > 1e-4 * stretch.max():
+            local = ies.directions() / stretch
+            rise = np.clip((-local[..., 2] / np.linalg.norm(local, axis=-1) - outer) / max(inner - outer, 1e-6), 0, 1)
+            return self.by_direction(pose, watts, rise * rise * (3 - 2 * rise))
+        self.has_no_size()
+        edge = {"float coneangle": math.degrees(cone), "float conedeltaangle": math.degrees(max(0.0, cone - math.acos(min(1.0, inner))))}
+        return [at(pose), self.source("spot", "I", watts / (4 * math.pi), **ALONG_Z, **edge)]
+
+    def sun(self, pose, watts):
+        """With an angle: a disk so far away that its light falls off by less than a thousandth across the scene."""
+        half, turned = self.data.angle / 2, at(pose)
+        turned.translation = (0, 0, 0)
+        if half < 1e-5:
+            return [turned, self.source("distant", "L", watts, **ALONG_Z)]
+        center, distance = self.scene_ball[0], 2000 * self.scene_ball[1]
+        turned.translation, radius = center + distance * turned.col[2].xyz, distance * math.tan(half)
+        # The disk faces along its +z, and shines along -z.
+        return [turned, "ReverseOrientation",
+                *self.surface("disk", {"float radius": radius}, turned.translation, radius, watts / (math.pi * math.sin(half) ** 2))]
+
+    def area(self, pose, watts):
+        data, is_round = self.data, self.data.shape in ("DISK", "ELLIPSE")
+        wide, high = (side * abs(stretch) for side, stretch in zip(sides(data), pose.to_scale()))
+        surface = wide * high * (math.pi / 4 if is_round else 1)
+        if surface <= 0:
+            self.lost("an area of no size is left out")
+            return [at(pose)]
+        radiance, more = watts / (AREA_FACTOR * (surface if getattr(data, "normalize", True) else 1)), {}
+        if data.spread < math.pi - 1e-3:
+            # Cycles: max(0, 1 - tan a / tan(spread / 2)) times a factor that keeps the power. Here: cos^n a that is half at the same angle.
+            self.lost("its spread is a power of the cosine of equal half-width")
+            power = math.log(0.5) / math.log(math.cos(math.atan(0.5 * math.tan(max(data.spread, 1e-3) / 2))))
+            more, radiance = {"float latent:exponent": power}, radiance * (power + 2) / 2
+        x, y, ball = wide / 2, high / 2, (pose.translation, math.hypot(wide, high) / 2)
+        if is_round:
+            return [at(pose) @ Matrix.Diagonal((x, y, 1, 1)), "ReverseOrientation", *self.surface("disk", {"float radius": 1.0}, *ball, radiance, **more)]
+        corners = [-x, -y, 0.0, -x, y, 0.0, x, -y, 0.0, x, y, 0.0]  # facing -z
+        return [at(pose), *self.surface("bilinearmesh", {"point3 P": corners, "integer indices": [0, 1, 2, 3]}, *ball, radiance, **more)]
+
+
+MAKERS = {"POINT": Lamp.point, "SPOT": Lamp.spot, "SUN": Lamp.sun, "AREA": Lamp.area}
+
 
 def at(pose):
     """Without a scale, which lamps ignore but for areas and the cones of spots. A mirrored pose stays so: its quaternion is that of its opposite."""
     return Matrix.LocRotScale(pose.translation, pose.to_quaternion(), Vector((-1, -1, -1)) if pose.is_negative else None)
 
 
-# ----- each kind: its place, and its lines
-
-ALONG_Z = {"point3 from": [0.0, 0.0, 0.0], "point3 to": [0.0, 0.0, -1.0]}
-
-
-def point(lamp, pose, watts):
-    radius = lamp.data.shadow_soft_size
-    if lamp.profile:
-        return lamp.by_direction(pose, watts)
-    if radius < 1e-6:
-        return [at(pose), lamp.source("point", "I", watts / (4 * math.pi))]
-    return [at(pose), *lamp.surface("sphere", {"float radius": radius}, pose.translation, radius, watts / (4 * math.pi**2 * radius**2))]
-
-
-def spot(lamp, pose, watts):
-    """The edge is a smoothstep of the cosine, as pbrt's."""
-    cone = lamp.data.spot_size / 2
-    outer = math.cos(cone)
-    inner = outer + (1 - outer) * lamp.data.spot_blend
-    stretch = np.maximum(1e-6, np.abs(pose.to_scale())) if bpy.app.version >= (4, 0, 0) else np.ones(3)
-    if lamp.profile or np.ptp(stretch) > 1e-4 * stretch.max():
-        local = ies.directions() / stretch
-        rise = np.clip((-local[..., 2] / np.linalg.norm(local, axis=-1) - outer) / max(inner - outer, 1e-6), 0, 1)
-        return lamp.by_direction(pose, watts, rise * rise * (3 - 2 * rise))
-    lamp.has_no_size()
-    edge = {"float coneangle": math.degrees(cone), "float conedeltaangle": math.degrees(max(0.0, cone - math.acos(min(1.0, inner))))}
-    return [at(pose), lamp.source("spot", "I", watts / (4 * math.pi), **ALONG_Z, **edge)]
-
-
-def sun(lamp, pose, watts):
-    """With an angle: a disk so far away that its light falls off by less than a thousandth across the scene."""
-    half, turned = lamp.data.angle / 2, at(pose)
-    turned.translation = (0, 0, 0)
-    if half < 1e-5:
-        return [turned, lamp.source("distant", "L", watts, **ALONG_Z)]
-    center, distance = lamp.scene_ball[0], 2000 * lamp.scene_ball[1]
-    turned.translation, radius = center + distance * turned.col[2].xyz, distance * math.tan(half)
-    # The disk faces along its +z, and shines along -z.
-    return [turned, "ReverseOrientation",
-            *lamp.surface("disk", {"float radius": radius}, turned.translation, radius, watts / (math.pi * math.sin(half) ** 2))]
-
-
-# Watts of an area lamp for each unit of radiance and area: Blender 3's counted pi / 4 of the power.
-AREA_FACTOR = math.pi if bpy.app.version >= (4, 0, 0) else 4.0
-
-
 def sides(data):
     return data.size, data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
-
-
-def area(lamp, pose, watts):
-    data, is_round = lamp.data, lamp.data.shape in ("DISK", "ELLIPSE")
-    wide, high = (side * abs(stretch) for side, stretch in zip(sides(data), pose.to_scale()))
-    surface = wide * high * (math.pi / 4 if is_round else 1)
-    if surface <= 0:
-        lamp.lost("an area of no size is left out")
-        return [at(pose)]
-    radiance, more = watts / (AREA_FACTOR * (surface if getattr(data, "normalize", True) else 1)), {}
-    if data.spread < math.pi - 1e-3:
-        lamp.lost("its spread is a power of the cosine of equal half-width")
-        more, radiance = spread_of(data.spread, radiance)
-    x, y, ball = wide / 2, high / 2, (pose.translation, math.hypot(wide, high) / 2)
-    if is_round:
-        return [at(pose) @ Matrix.Diagonal((x, y, 1, 1)), "ReverseOrientation", *lamp.surface("disk", {"float radius": 1.0}, *ball, radiance, **more)]
-    corners = [-x, -y, 0.0, -x, y, 0.0, x, -y, 0.0, x, y, 0.0]  # facing -z
-    return [at(pose), *lamp.surface("bilinearmesh", {"point3 P": corners, "integer indices": [0, 1, 2, 3]}, *ball, radiance, **more)]
-
-
-def spread_of(spread, radiance):
-    """Cycles: max(0, 1 - tan a / tan(spread / 2)) times a factor that keeps the power. Here: cos^n a that is half at the same angle."""
-    half = math.atan(0.5 * math.tan(max(spread, 1e-3) / 2))
-    power = math.log(0.5) / math.log(math.cos(half))
-    return {"float latent:exponent": power}, radiance * (power + 2) / 2
-
-
-MAKERS = {"POINT": point, "SPOT": spot, "SUN": sun, "AREA": area}
 
 
 def portal(owner, pose):
