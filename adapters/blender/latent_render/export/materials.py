@@ -3,6 +3,8 @@ import functools
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from . import spectra, volumes
 from .nodes import Graph
 from .pbrt import directive
@@ -54,10 +56,10 @@ class Reader(Graph):
             self.lost(f"{article} {what} above 1 is 1" if max(value.rgb) > 1 else f"{article} {what} below 0 is 0")
         return within
 
-    def share(self, node, *names):
+    def share(self, node, name):
         """A value between 0 and 1; None if the node has no such input."""
-        value = self.of(node, *names)
-        return value and self.limited(value, names[0].lower())
+        value = self.of(node, name)
+        return value and self.limited(value, name.lower())
 
     def made(self, of, typed=(), **values):
         """A surface of a material: `typed` parameters, and those that are values between 0 and 1."""
@@ -140,10 +142,6 @@ def diffuse(reader, node):
     return reader.made("diffuse", reader.relief(node), reflectance=reader.of(node, "Color"))
 
 
-def translucent(reader, node):
-    return reader.made("diffusetransmission", reflectance=BLACK, transmittance=reader.of(node, "Color"))
-
-
 def roughness(reader, node):
     return reader.of(node, "Roughness") if getattr(node, "distribution", "") != "SHARP" else BLACK
 
@@ -151,7 +149,7 @@ def roughness(reader, node):
 def glossy(reader, node):
     """Cycles' Glossy BSDF is a mirror of its colour at every angle, which a surface of a very high index comes close to. Only for a metal
     of the panel, it is a metal."""
-    rough, color = roughness(reader, node), reader.of(node, "Color", "Base Color")
+    rough, color = roughness(reader, node), reader.of(node, "Color") or reader.of(node, "Base Color")
     if color is None:  # a Metallic BSDF by n and k
         color = each(lambda n, k: ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), *(reader.constant(node, name) for name in ("IOR", "Extinction")))
     if node.type == "BSDF_METALLIC":
@@ -210,39 +208,35 @@ def hair(reader, node):
     return reader.made("hair", shape, beta_m=reader.constant(node, "Roughness"), beta_n=reader.constant(node, "Radial Roughness"), **color)
 
 
-TRANSMISSION, COAT = ("Transmission Weight", "Transmission"), ("Coat Weight", "Clearcoat")
 # Inputs of a Principled BSDF, the only value that Latent has (None: unlinked), the input that must not be 0, too, and what is said of others.
 LACKING = (
-    *((name, BLACK, (), "the subsurface scattering of a Principled BSDF is matt") for name in ("Subsurface Weight", "Subsurface")),
-    ("Diffuse Roughness", BLACK, (), "its diffuse roughness is 0"),
-    ("Sheen", BLACK, (), "sheen is left out (Blender 4.0 has one that Latent knows)"),
-    ("Transmission Roughness", BLACK, TRANSMISSION, "what passes through is as rough as what is reflected"),
-    ("Coat Tint", WHITE, COAT, "the tint of the coat is white"),
-    ("Coat IOR", constant(1.5), COAT, "the index of the coat is 1.5"),
-    *((name, None, COAT, "the coat has the normals of the shape") for name in ("Coat Normal", "Clearcoat Normal")),
+    ("Subsurface Weight", BLACK, "Subsurface Weight", "the subsurface scattering of a Principled BSDF is matt"),
+    ("Diffuse Roughness", BLACK, "Diffuse Roughness", "its diffuse roughness is 0"),
+    ("Sheen", BLACK, "Sheen", "sheen is left out (Blender 4.0 has one that Latent knows)"),
+    ("Transmission Roughness", BLACK, "Transmission Weight", "what passes through is as rough as what is reflected"),
+    ("Coat Tint", WHITE, "Coat Weight", "the tint of the coat is white"),
+    ("Coat IOR", constant(1.5), "Coat Weight", "the index of the coat is 1.5"),
+    ("Coat Normal", None, "Coat Weight", "the coat has the normals of the shape"),
 )
 MEAN_GLOSS = 0.09  # the mean reflectance of a smooth surface of index 1.5 under light from everywhere
-
-
-def differs(value, expected):
-    return not is_constant(value) or max(abs(c - e) for c, e in zip(value.rgb, expected.rgb)) > 1e-3
 
 
 def principled(reader, node):
     """Inputs have other names since Blender 4.0. What light passes is a material of its own, mixed with the rest."""
     is_new, number, share = "Coat Weight" in node.inputs, functools.partial(reader.number, node), functools.partial(reader.share, node)
-    base, metallic, transmission, coat = reader.limited(reader.of(node, "Base Color"), "colour"), share("Metallic"), share(*TRANSMISSION), share(*COAT)
+    base = reader.limited(reader.of(node, "Base Color"), "colour")
+    metallic, transmission, coat = (share(name) for name in ("Metallic", "Transmission Weight", "Coat Weight"))
     below = base if is_new else mix(base, reader.of(node, "Subsurface Color"), constant(number("Subsurface")))
-    for name, value, owners, what in LACKING:
+    for name, usual, owner, what in LACKING:
         socket = reader.input(node, name)
-        if socket and reader.of(node, *(owners or (name,))) != BLACK and (socket.is_linked or value is not None and differs(reader.of(node, name), value)):
+        if socket and reader.of(node, owner) != BLACK and (socket.is_linked or usual and not np.allclose(reader.of(node, name).rgb, usual.rgb, 0, 1e-3)):
             reader.lost(what)
     if transmission != BLACK and not (is_constant(metallic) and (is_constant(transmission) or metallic in (WHITE, BLACK))):
         reader.lost("transmission beside a texture of metallic, or the reverse, is left out")
         transmission = BLACK
-    ior, level, rough = number("IOR"), number("Specular IOR Level", "Specular"), share("Roughness")
+    ior, level, rough = number("IOR"), number("Specular IOR Level"), share("Roughness")
     root = math.sqrt(max(0.0, min(0.99, ((ior - 1) / (ior + 1)) ** 2 * 2 * level if is_new else 0.08 * level)))
-    values = {"roughness": rough, "coat": coat, "coatroughness": share("Coat Roughness", "Clearcoat Roughness")}
+    values = {"roughness": rough, "coat": coat, "coatroughness": share("Coat Roughness")}
     typed = {**reader.facets(node, reader.of(node, "Roughness")), **reader.relief(node)}
     tint, neutral = reader.of(node, "Specular Tint"), WHITE if is_new else BLACK
     if tint != neutral and not is_constant(tint, WHITE if is_new else base):
@@ -268,7 +262,7 @@ def principled(reader, node):
         return part(color, (1 + root) / (1 - root), {"float specular": 0.0} if level == 0 else {}, metallic=metallic)
 
     metal = metallic.number() if is_constant(metallic) else 0
-    bright = raised(below, coat, metallic, reader.of(node, "Specular IOR Level", "Specular"), is_new)
+    bright = raised(below, coat, metallic, reader.of(node, "Specular IOR Level"), is_new)
     if metal < 1 and ior < 1 and is_new and transmission != WHITE:
         reader.lost("gloss of an index below 1 is that of its inverse")
     if metal == 1 or transmission == BLACK:
@@ -286,21 +280,17 @@ def principled(reader, node):
             values["roughness"] = reader.constant(node, "Roughness")
         if coat != BLACK or has_sheen:
             reader.lost("coat and sheen are left out where light passes")
-        passing = part(passed(reader, below) if is_new else below, ior, {"float transmission": 1.0})
+        if is_new and is_constant(below):  # light passes two surfaces
+            below = each(math.sqrt, below)
+        elif is_new:
+            reader.lost("a texture of its colour tints glass twice")
+        passing = part(below, ior, {"float transmission": 1.0})
         surface = passing if clear == WHITE else reader.mixture(solid, passing, clear)
-    strength, color = reader.of(node, "Emission Strength"), reader.of(node, "Emission Color", "Emission")
+    strength, color = reader.of(node, "Emission Strength"), reader.of(node, "Emission Color")
     if strength != BLACK and (not is_constant(color) or max(color.rgb) != 0):
         surface.emission.append((color, strength))
     surface.alpha = share("Alpha")
     return surface
-
-
-def passed(reader, color):
-    """At each of two surfaces, since 4.0."""
-    if is_constant(color):
-        return each(math.sqrt, color)
-    reader.lost("a texture of its colour tints glass twice")
-    return color
 
 
 def raised(base, coat, metallic, level, is_new):
@@ -354,7 +344,7 @@ def added(reader, node):
 
 SHADERS = {
     "BSDF_DIFFUSE": diffuse,
-    "BSDF_TRANSLUCENT": translucent,
+    "BSDF_TRANSLUCENT": lambda reader, node: reader.made("diffusetransmission", reflectance=BLACK, transmittance=reader.of(node, "Color")),
     **dict.fromkeys(("BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"), glossy),
     **dict.fromkeys(("BSDF_GLASS", "BSDF_REFRACTION"), glass),
     "BSDF_TRANSPARENT": transparent,
@@ -403,13 +393,13 @@ def area_light(reader, color, strength, name):
     if not is_constant(color) and (not color.is_picture or color.is_moved):
         reader.lost("the texture of an emission is white")
         color = WHITE
-    scale, light = strength.number(), {}
-    if not is_constant(color):
-        light = {"string filename": color.parameters["string filename"]}
-    else:
+    scale = strength.number()
+    if is_constant(color):
         if scale < 0 or min(color.rgb) < 0:
             reader.lost("negative emission is left out")
         if scale <= 0 or max(color.rgb) <= 0:
             return None
         light = {"rgb L": [max(0.0, c) for c in color.rgb]}
+    else:
+        light = {"string filename": color.parameters["string filename"]}
     return directive("AreaLightSource", "diffuse", **light, **{"float scale": scale, "bool twosided": True, "string name": name})

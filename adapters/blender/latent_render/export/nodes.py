@@ -18,6 +18,11 @@ def all_nodes(tree):
             yield from all_nodes(node.node_tree)
 
 
+# Inputs that had other names in earlier versions.
+RENAMED = {"Factor": "Fac", "A": "Color1", "B": "Color2", "Specular IOR Level": "Specular", "Transmission Weight": "Transmission", "Coat Weight": "Clearcoat",
+           "Coat Roughness": "Clearcoat Roughness", "Coat Normal": "Clearcoat Normal", "Subsurface Weight": "Subsurface", "Emission Color": "Emission"}
+
+
 class Graph:
     """The nodes of one material, world or lamp. `places` says where pictures lie on the surface, if there is one; `lost(what)` takes what is
     left out."""
@@ -68,8 +73,9 @@ class Graph:
         finally:
             self.groups = around
 
-    def input(self, node, *names):
-        """The first input that the node has of these names, which differ between versions of Blender."""
+    def input(self, node, name):
+        """An input by its name in this version of Blender, or in an earlier one; None if the node has none."""
+        names = (name, RENAMED.get(name))
         return next((socket for name in names for socket in node.inputs if name in (socket.name, socket.identifier) and socket.enabled), None)
 
     # ----- values
@@ -93,20 +99,20 @@ class Graph:
             self.lost(f"{unknown} is replaced by a constant")
             return next((default(socket) for socket in node.inputs if socket.type == "RGBA" and socket.enabled and not socket.is_linked), constant(0.5))
 
-    def of(self, node, *names):
-        socket = self.input(node, *names)
+    def of(self, node, name):
+        socket = self.input(node, name)
         return self.value(socket) if socket is not None else None
 
-    def constant(self, node, *names):
+    def constant(self, node, name):
         """Where Latent takes no texture."""
-        value = self.of(node, *names) or BLACK
+        value = self.of(node, name) or BLACK
         if is_constant(value):
             return value
-        self.lost(f"{node.bl_label}: the texture of {names[0]} is replaced by its default")
-        return default(self.input(node, *names))
+        self.lost(f"{node.bl_label}: the texture of {name} is replaced by its default")
+        return default(self.input(node, name))
 
-    def number(self, node, *names):
-        return self.constant(node, *names).number()
+    def number(self, node, name):
+        return self.constant(node, name).number()
 
 
 def default(socket):
@@ -156,7 +162,7 @@ def mix_rgb(graph, node, _):
     blend, clamps = (node.blend_type, getattr(node, "use_clamp", False) or getattr(node, "clamp_result", False)) if kind == "RGBA" else ("MIX", False)
     if kind not in ("RGBA", "FLOAT") or blend not in BLENDS:
         raise Unknown(f"Mix ({kind.lower()}, {blend.lower()})")
-    share, first, second = graph.of(node, "Factor", "Fac"), graph.of(node, "A", "Color1"), graph.of(node, "B", "Color2")
+    share, first, second = (graph.of(node, name) for name in ("Factor", "A", "B"))
     return result(graph, BLENDS[blend](first, second, clamped(share)), clamps)
 
 
@@ -174,7 +180,7 @@ def math_node(graph, node, _):
 def ramp(graph, node, output):
     """Between two stops, a mixture. Of a constant, any ramp."""
     shown = lambda color: constant(color[3]) if output.name == "Alpha" else Constant(tuple(color[:3]))  # noqa: E731
-    amount, stops = graph.of(node, "Fac", "Factor"), node.color_ramp.elements
+    amount, stops = graph.of(node, "Factor"), node.color_ramp.elements
     if is_constant(amount):
         return shown(node.color_ramp.evaluate(amount.number()))
     if len(stops) > 1 and ([round(stop.position, 6) for stop in stops] != [0, 1] or node.color_ramp.interpolation != "LINEAR"):
@@ -190,7 +196,7 @@ def invert(graph, node, _):
         opposite = Texture("imagemap", {**color.parameters, "bool invert": True}, of_color=color.of_color)
     else:
         raise Unknown("Invert of a mixture")
-    return mix(color, opposite, graph.of(node, "Fac", "Factor"))
+    return mix(color, opposite, graph.of(node, "Factor"))
 
 
 def blackbody_rgb(kelvin):
