@@ -114,15 +114,92 @@ class Graph:
     def number(self, node, name):
         return self.constant(node, name).number()
 
+    def result(self, value, clamps):
+        if clamps and not is_constant(value) and not value.is_picture:
+            self.lost("a mixture of textures is not clamped")
+        return clamped(value) if clamps else value
+
+    def mix_rgb(self, node, _):
+        kind = getattr(node, "data_type", "RGBA")
+        blend, clamps = (node.blend_type, getattr(node, "use_clamp", False) or getattr(node, "clamp_result", False)) if kind == "RGBA" else ("MIX", False)
+        if kind not in ("RGBA", "FLOAT") or blend not in BLENDS:
+            raise Unknown(f"Mix ({kind.lower()}, {blend.lower()})")
+        share, first, second = (self.of(node, name) for name in ("Factor", "A", "B"))
+        return self.result(BLENDS[blend](first, second, clamped(share)), clamps)
+
+    def math_node(self, node, _):
+        first, second = (self.value(socket) for socket in list(node.inputs)[:2])
+        if node.operation == "MULTIPLY":
+            return self.result(product(first, second), node.use_clamp)
+        if node.operation == "SUBTRACT" and first == WHITE and not is_constant(second):
+            return rest(second)
+        if node.operation not in MATHS:
+            raise Unknown(f"Math ({node.operation.lower()})")
+        return self.result(each(MATHS[node.operation], first, second), node.use_clamp)
+
+    def ramp(self, node, output):
+        """Between two stops, a mixture. Of a constant, any ramp."""
+        shown = lambda color: constant(color[3]) if output.name == "Alpha" else Constant(tuple(color[:3]))  # noqa: E731
+        amount, stops = self.of(node, "Factor"), node.color_ramp.elements
+        if is_constant(amount):
+            return shown(node.color_ramp.evaluate(amount.number()))
+        if len(stops) > 1 and ([round(stop.position, 6) for stop in stops] != [0, 1] or node.color_ramp.interpolation != "LINEAR"):
+            raise Unknown("Color Ramp with more than two stops, at 0 and 1, of a picture")
+        return mix(shown(stops[0].color), shown(stops[-1].color), amount)
+
+    def invert(self, node, _):
+        color = self.of(node, "Color")
+        if is_constant(color):
+            opposite = each(lambda c: 1 - c, color)
+        elif color.is_picture and not color.parameters.get("bool invert"):
+            opposite = Texture("imagemap", {**color.parameters, "bool invert": True}, of_color=color.of_color)
+        else:
+            raise Unknown("Invert of a mixture")
+        return mix(color, opposite, self.of(node, "Factor"))
+
+    def checker(self, node, output):
+        """A square of colour 2 lies at the origin of the plane. Latent has no cubes here."""
+        first, second, scale = (self.value(socket) for socket in list(node.inputs)[1:4])
+        if output.name != "Color":
+            first, second = WHITE, BLACK
+        if not is_constant(scale):
+            raise Unknown("Checker with a picture as its scale")
+        mapping = self.places.relative(self, node.inputs["Vector"], scale.number())
+        if self.places.source[0] != "uv":
+            raise Unknown("Checker of space (give it a UV map)")
+        return Texture("checkerboard", mapping, {"tex1": second, "tex2": first})
+
+    def vertex_color(self, node, output):
+        name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
+        if node.type == "ATTRIBUTE" and (node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor")):
+            raise Unknown(f"Attribute {name}")
+        self.places.need_color(name)
+        return Texture("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {})
+
+    def fresnel(self, node, output):
+        self.lost(f"{node.bl_label} is the value seen from the front")
+        ior = self.number(node, "IOR") if node.type == "FRESNEL" else 1 / (1 - min(self.number(node, "Blend"), 0.999))
+        return constant(0.0 if output.name == "Facing" else ((ior - 1) / (ior + 1)) ** 2)
+
+    def light_path(self, _, output):
+        self.lost(f"Light Path, {output.name}, is 0, also for the camera")
+        return BLACK
+
+    def grey(self, node, output):
+        """pbrt makes numbers of the colours of a texture by itself."""
+        value = self.of(node, "Color")
+        if is_constant(value):
+            return constant(value.number())
+        if any(link.to_socket.type == "RGBA" for link in output.links):
+            raise Unknown("RGB to BW of a picture")
+        return value
+
 
 def default(socket):
     value = getattr(socket, "default_value", 0.0)
     if isinstance(value, (int, float)):
         return constant(value)
     return BLACK if isinstance(value, str) else Constant(tuple(map(float, value))[:3])
-
-
-# ----- nodes
 
 
 def power(a, b):
@@ -150,55 +227,6 @@ MATHS = {
 }
 
 
-def result(graph, value, clamps):
-    if clamps and not is_constant(value) and not value.is_picture:
-        graph.lost("a mixture of textures is not clamped")
-    return clamped(value) if clamps else value
-
-
-def mix_rgb(graph, node, _):
-    """Both that of 3.4, and the older one."""
-    kind = getattr(node, "data_type", "RGBA")
-    blend, clamps = (node.blend_type, getattr(node, "use_clamp", False) or getattr(node, "clamp_result", False)) if kind == "RGBA" else ("MIX", False)
-    if kind not in ("RGBA", "FLOAT") or blend not in BLENDS:
-        raise Unknown(f"Mix ({kind.lower()}, {blend.lower()})")
-    share, first, second = (graph.of(node, name) for name in ("Factor", "A", "B"))
-    return result(graph, BLENDS[blend](first, second, clamped(share)), clamps)
-
-
-def math_node(graph, node, _):
-    first, second = (graph.value(socket) for socket in list(node.inputs)[:2])
-    if node.operation == "MULTIPLY":
-        return result(graph, product(first, second), node.use_clamp)
-    if node.operation == "SUBTRACT" and first == WHITE and not is_constant(second):
-        return rest(second)
-    if node.operation not in MATHS:
-        raise Unknown(f"Math ({node.operation.lower()})")
-    return result(graph, each(MATHS[node.operation], first, second), node.use_clamp)
-
-
-def ramp(graph, node, output):
-    """Between two stops, a mixture. Of a constant, any ramp."""
-    shown = lambda color: constant(color[3]) if output.name == "Alpha" else Constant(tuple(color[:3]))  # noqa: E731
-    amount, stops = graph.of(node, "Factor"), node.color_ramp.elements
-    if is_constant(amount):
-        return shown(node.color_ramp.evaluate(amount.number()))
-    if len(stops) > 1 and ([round(stop.position, 6) for stop in stops] != [0, 1] or node.color_ramp.interpolation != "LINEAR"):
-        raise Unknown("Color Ramp with more than two stops, at 0 and 1, of a picture")
-    return mix(shown(stops[0].color), shown(stops[-1].color), amount)
-
-
-def invert(graph, node, _):
-    color = graph.of(node, "Color")
-    if is_constant(color):
-        opposite = each(lambda c: 1 - c, color)
-    elif color.is_picture and not color.parameters.get("bool invert"):
-        opposite = Texture("imagemap", {**color.parameters, "bool invert": True}, of_color=color.of_color)
-    else:
-        raise Unknown("Invert of a mixture")
-    return mix(color, opposite, graph.of(node, "Factor"))
-
-
 def blackbody_rgb(kelvin):
     """Linear Rec. 709 of luminance 1: Planck's law, seen through Gaussian fits of the CIE 1931 observer [WymanSloanShirley13]."""
     nm = np.arange(380.0, 781.0, 5.0)
@@ -209,64 +237,20 @@ def blackbody_rgb(kelvin):
     return tuple(np.maximum(0, RGB_FROM_XYZ @ (xyz / xyz[1])).tolist())
 
 
-def checker(graph, node, output):
-    """A square of colour 2 lies at the origin of the plane. Latent has no cubes here."""
-    first, second, scale = (graph.value(socket) for socket in list(node.inputs)[1:4])
-    if output.name != "Color":
-        first, second = WHITE, BLACK
-    if not is_constant(scale):
-        raise Unknown("Checker with a picture as its scale")
-    mapping = graph.places.relative(graph, node.inputs["Vector"], scale.number())
-    if graph.places.source[0] != "uv":
-        raise Unknown("Checker of space (give it a UV map)")
-    return Texture("checkerboard", mapping, {"tex1": second, "tex2": first})
-
-
-def vertex_color(graph, node, output):
-    """Of a Color Attribute or an Attribute node."""
-    name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
-    if node.type == "ATTRIBUTE" and (node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor")):
-        raise Unknown(f"Attribute {name}")
-    graph.places.need_color(name)
-    return Texture("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {})
-
-
-def fresnel(graph, node, output):
-    """Of a Fresnel or a Layer Weight node."""
-    graph.lost(f"{node.bl_label} is the value seen from the front")
-    ior = graph.number(node, "IOR") if node.type == "FRESNEL" else 1 / (1 - min(graph.number(node, "Blend"), 0.999))
-    return constant(0.0 if output.name == "Facing" else ((ior - 1) / (ior + 1)) ** 2)
-
-
-def light_path(graph, _, output):
-    graph.lost(f"Light Path, {output.name}, is 0, also for the camera")
-    return BLACK
-
-
-def grey(graph, node, output):
-    """pbrt makes numbers of the colours of a texture by itself."""
-    value = graph.of(node, "Color")
-    if is_constant(value):
-        return constant(value.number())
-    if any(link.to_socket.type == "RGBA" for link in output.links):
-        raise Unknown("RGB to BW of a picture")
-    return value
-
-
 VALUES = {
     **dict.fromkeys(("RGB", "VALUE"), lambda graph, node, output: default(output)),
-    **dict.fromkeys(("MIX", "MIX_RGB"), mix_rgb),
-    "MATH": math_node,
-    "VALTORGB": ramp,
-    "INVERT": invert,
+    **dict.fromkeys(("MIX", "MIX_RGB"), Graph.mix_rgb),
+    "MATH": Graph.math_node,
+    "VALTORGB": Graph.ramp,
+    "INVERT": Graph.invert,
     "GAMMA": lambda graph, node, _: each(lambda c, g: power(max(0.0, c), g), graph.of(node, "Color"), graph.of(node, "Gamma")),
     "CLAMP": lambda graph, node, _: each(lambda v, a, b: min(max(v, a), b), *(graph.of(node, name) for name in ("Value", "Min", "Max"))),
-    "RGBTOBW": grey,
+    "RGBTOBW": Graph.grey,
     "BLACKBODY": lambda graph, node, _: Constant(blackbody_rgb(graph.number(node, "Temperature"))),
-    "TEX_CHECKER": checker,
+    "TEX_CHECKER": Graph.checker,
     "TEX_IMAGE": picture,
-    **dict.fromkeys(("VERTEX_COLOR", "ATTRIBUTE"), vertex_color),
-    **dict.fromkeys(("FRESNEL", "LAYER_WEIGHT"), fresnel),
-    "LIGHT_PATH": light_path,
+    **dict.fromkeys(("VERTEX_COLOR", "ATTRIBUTE"), Graph.vertex_color),
+    **dict.fromkeys(("FRESNEL", "LAYER_WEIGHT"), Graph.fresnel),
+    "LIGHT_PATH": Graph.light_path,
 }
 ON_SURFACES = ("TEX_CHECKER", "TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE")

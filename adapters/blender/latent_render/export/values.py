@@ -55,9 +55,6 @@ def parameter(document, name, kind, value):
     return {f"texture {name}": document.define("Texture", kind, value.kind, **parameters)}
 
 
-# ----- arithmetic
-
-
 def each(function, *values):
     if not is_constant(*values):
         raise Unknown("arithmetic with a picture")
