@@ -31,7 +31,7 @@ def follow(_, context):
     settings = context.scene.latent.darkroom
     if IMAGE in bpy.data.images and settings.adds_up:
         try:
-            show(settings, picture(context)()[0])
+            show(settings, developing(context)()[0])
         except (tools.Failure, OSError, ValueError):
             pass  # Develop says why
 
@@ -65,12 +65,6 @@ class DarkroomSettings(bpy.types.PropertyGroup):
         """Whether a light mix is a sum of the pictures of the lights."""
         return not self.printed and self.noise == "KEEP"
 
-    def list_lights(self, names):
-        for name in [light.name for light in self.mix if light.name not in names]:
-            self.mix.remove(self.mix.find(name))
-        for name in [name for name in names if name not in self.mix]:
-            self.mix.add().name = name
-
     def factors(self):
         solo = any(light.solo for light in self.mix)
         return {light.name: 0.0 if light.mute or solo and not light.solo else light.factor for light in self.mix}
@@ -96,17 +90,29 @@ def job_of(context):
     return last
 
 
-def picture(context, program=None):
+def developing(context, program=None, converter=None):
     """A function that makes what the panel asks for, before lights are mixed: its channels and its path. It needs no Blender, and ends early if
-    what it is given says so. Without a program, it fails if the picture is not there yet."""
+    what it is given says so. Without a program, it fails if the picture is not there yet; with a converter, it prints the picture."""
     settings, last = context.scene.latent.darkroom, job_of(context)
     layers = ["lights"] if settings.adds_up and last.note["parts"].get("light groups") else []
     path, words = os.path.splitext(last.picture)[0] + ".darkroom.exr", settings.options(context.scene, last.note["aperture"])
-    return lambda stop=lambda: False: last.develop(program, path, words, layers, stop)
+    printing = ["--force", "--quiet", "--json", "--stops", f"{settings.stops:.6g}"]
+    printing += ["--paper", settings.paper] if settings.film and settings.paper else []
+
+    def develop_and_print(stop=lambda: False):
+        channels, made = last.develop(program, path, words, layers, stop)
+        if converter:
+            tools.run([converter, made, "-o", print_of(made), *printing])
+        return channels, made
+
+    return develop_and_print
+
+
+def print_of(path):
+    return os.path.splitext(path)[0] + ".png"
 
 
 def show(settings, channels):
-    """In the image that the panel fills."""
     pixels = develop.rgb(develop.mixed(channels, settings.factors())) * np.float32(2.0**settings.stops)
     height, width = pixels.shape[:2]
     image = bpy.data.images.get(IMAGE)
@@ -153,36 +159,27 @@ class LATENT_OT_develop(Operator, bpy.types.Operator):
         return not LATENT_OT_develop.running
 
     def work(self, context):
-        """A function that needs no Blender: develops, and prints what a camera or a film has seen."""
-        settings, make = context.scene.latent.darkroom, picture(context, engine.program("latent-develop"))
-        if not settings.printed:
-            return make
-        words = ["--paper", settings.paper] if settings.film and settings.paper else []
-        words += ["--force", "--quiet", "--json", "--stops", f"{settings.stops:.6g}"]
-        convert = engine.program("latent-convert")
-
-        def develop_and_print(stop):
-            channels, path = make(stop)
-            tools.run([convert, path, "-o", os.path.splitext(path)[0] + ".png", *words])
-            return channels, path
-
-        return develop_and_print
+        printed = context.scene.latent.darkroom.printed
+        return developing(context, engine.program("latent-develop"), engine.program("latent-convert") if printed else None)
 
     def finish(self, context, channels, path):
-        settings = context.scene.latent.darkroom
+        settings, lights = context.scene.latent.darkroom, develop.lights(channels)
         if settings.adds_up:
-            settings.list_lights(develop.lights(channels))
+            for name in {*settings.mix.keys()}.difference(lights):
+                settings.mix.remove(settings.mix.find(name))
+            for name in [name for name in lights if name not in settings.mix]:
+                settings.mix.add().name = name
         if settings.printed:
             if IMAGE in bpy.data.images:
                 bpy.data.images.remove(bpy.data.images[IMAGE])
-            image = bpy.data.images.load(os.path.splitext(path)[0] + ".png")
+            image = bpy.data.images.load(print_of(path))
             image.name = IMAGE
         else:
             image = show(settings, channels)
         put_up(image)
 
     def run(self, context):
-        self.finish(context, *self.work(context)(lambda: False))
+        self.finish(context, *self.work(context)())
 
     # From the panel, Blender goes on meanwhile. Esc stops.
     def invoke(self, context, _):
