@@ -57,7 +57,6 @@ def rgb(channels, prefix=""):
 
 
 def develop(program, samples, picture, words=(), stop=lambda: False):
-    """Channels of the picture."""
     report, _ = tools.run([program, samples, "-o", picture, "--force", "--json", "--quiet", *words], stop=stop)
     if report is None:
         raise tools.Failure("stopped")

@@ -100,7 +100,6 @@ class LatentEngine(bpy.types.RenderEngine):
         self.say(f"done; {word}" if report is not None else "interrupted; F12 resumes")
 
     def stopped(self):
-        """Whether the user pressed Esc."""
         return self.test_break()
 
     def say(self, text):

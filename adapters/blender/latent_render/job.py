@@ -47,7 +47,6 @@ class Job:
         return f"back to an earlier job: {reason} changed" if there else f"new job: {reason} changed; the samples of the last one are kept"
 
     def finish(self, samples):
-        """So many per pixel are there."""
         done = self.note["done"]
         self.keep(done={**done, self.note["key"]: max(samples, done.get(self.note["key"], 0))})
 

@@ -20,7 +20,6 @@ def shared_panels():
 
 
 def wrapped(layout, text, icon):
-    """A text in as many lines as the panel needs."""
     column, size = layout.column(align=True), 6.5 * bpy.context.preferences.system.ui_scale  # pixels of a letter
     for number, line in enumerate(textwrap.wrap(text, max(16, int(bpy.context.region.width / size) - 8) if bpy.context.region else 80)):
         column.label(text=line, icon="BLANK1" if number else icon)

@@ -67,7 +67,6 @@ class Files:
         return self.written(b"PF\n%d %d\n-1.0\n" % (rows.shape[1], rows.shape[0]) + rgb.tobytes(), ".pfm")
 
     def written(self, data, extension):
-        """The path of a file with this content."""
         os.makedirs(self.folder, exist_ok=True)
         path = os.path.join(self.folder, hashlib.blake2b(data, digest_size=12).hexdigest() + extension)
         if not os.path.exists(path):

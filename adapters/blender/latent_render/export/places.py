@@ -19,7 +19,6 @@ class Places:
         self.color = name
 
     def settle(self, lost):
-        """Once all nodes are read."""
         if self.source is None and self.direction:
             self.source, self.matrix = self.direction, np.eye(4)
         if self.direction not in (None, self.source):
@@ -67,7 +66,6 @@ SOURCES = {"UV": ("uv", ""), "Generated": ("generated",), "Object": ("object",)}
 
 
 def mapping(node):
-    """The matrix of a Mapping node."""
     values = {socket.name: socket.default_value for socket in node.inputs if socket.enabled}
     linked = [socket.name for socket in node.inputs if socket.is_linked and socket.name != "Vector"]
     if linked or node.vector_type == "NORMAL":

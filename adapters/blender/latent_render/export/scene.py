@@ -34,7 +34,6 @@ class Model:
         return poses, poses[:, :3, :3] @ ((low + high) / 2) + poses[:, :3, 3], np.linalg.norm(high - low) / 2 * np.sqrt((poses[:, :3, :3] ** 2).sum((1, 2)))
 
     def places(self):
-        """A line for each copy."""
         ends = self.ends or self.poses
         for i in range(0, len(self.poses), 16):
             yield moving(self.poses[i : i + 16], ends[i : i + 16], "ConcatTransform")
@@ -105,7 +104,6 @@ class Exporter:
         return Exported(path, digest, self.parts, list(self.report.lines), self.files.wanted, camera.blades(view.data), bool(shutter))
 
     def look_at_scene(self, moves):
-        """Lists what Latent cannot say of a scene as such."""
         depth, bounces = self.settings.max_depth, find(self.scene, "cycles.volume_bounces", otherwise=1024)
         self.report.settings("scene", self.scene)
         if moves and find(self.scene, "cycles.rolling_shutter_type", otherwise="NONE") != "NONE":
