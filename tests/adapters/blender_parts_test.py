@@ -61,19 +61,18 @@ class Meshes(unittest.TestCase):
     def test_the_renderer_reads_what_is_written(self):
         """A floor of two triangles with colours, in a scene of its own."""
         points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
-        pieces = ply.encode(points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile(np.float32([0, 0, 1]), (4, 1)), points[:, :2],
-                            np.tile(np.float32([0.5, 0.5, 0.5]), (4, 1)))
+        triangles, normals = np.array([[0, 1, 2], [0, 2, 3]]), np.tile(np.float32([0, 0, 1]), (4, 1))
         with tempfile.TemporaryDirectory() as folder:
-            name = ply.store(*pieces, folder)
-            self.assertEqual(ply.store(*pieces, folder), name)
-            head, vertices, faces = pieces
+            write = lambda points, normals: ply.write(folder, points, triangles, normals, points[:, :2], np.full((4, 3), 0.5, np.float32))  # noqa: E731
+            name = write(points, normals)
+            self.assertEqual(write(points, normals), name)
             for change, same in ((1e-7, True), (-2e-7, True), (1e-3, False)):
-                turned = vertices.copy()
-                turned["nx"][1] += change
-                self.assertEqual(ply.store(head, turned, faces, folder) == name, same, change)
-            moved = vertices.copy()
-            moved["x"][0] += 1e-6
-            self.assertNotEqual(ply.store(head, moved, faces, folder), name)
+                turned = normals.copy()
+                turned[1, 0] += change
+                self.assertEqual(write(points, turned) == name, same, change)
+            moved = points.copy()
+            moved[0, 0] += 1e-6
+            self.assertNotEqual(write(moved, normals), name)
             document = pbrt.Document()
             document.head = [pbrt.directive("Film", "rgb", **{"integer xresolution": 4, "integer yresolution": 4}), "Scale 1 1 -1",
                              pbrt.directive("Camera", "orthographic", **{"float screenwindow": [-0.5, 0.5, -0.5, 0.5]})]
@@ -321,7 +320,7 @@ def profile(down, around, value, head="TILT=NONE", kind=1):
 
 class Profiles(unittest.TestCase):
     def test_a_lamp_of_lambert_has_its_flux(self):
-        rows = ies.Profile(profile(range(0, 91), [0], lambda d, _: 1000 * np.cos(np.radians(d)))).picture()
+        rows = ies.read(profile(range(0, 91), [0], lambda d, _: 1000 * np.cos(np.radians(d))))
         areas = np.sin(ies.DOWN)
         mean = (rows.mean(1) * areas).sum() / areas.sum()
         self.assertAlmostEqual(4 * np.pi * mean / (2 * np.pi * 1000), 1, delta=1e-3)
@@ -331,19 +330,19 @@ class Profiles(unittest.TestCase):
         down = range(0, 181, 10)
         for last, fold in ((90, lambda a: min(a % 180, 180 - a % 180)), (180, lambda a: min(a, 360 - a))):
             shape = lambda d, a: 100 + d + a * d  # noqa: E731
-            part = ies.Profile(profile(down, range(0, last + 1, 30), shape)).picture()
-            whole = ies.Profile(profile(down, range(0, 361, 30), lambda d, a: shape(d, fold(a)))).picture()
+            part = ies.read(profile(down, range(0, last + 1, 30), shape))
+            whole = ies.read(profile(down, range(0, 361, 30), lambda d, a: shape(d, fold(a))))
             np.testing.assert_allclose(part, whole, rtol=1e-5)
 
     def test_a_tilted_lamp_is_that_without_its_tilt(self):
         plain = profile([0, 90, 180], [0], lambda d, _: 5.0 + d)
-        np.testing.assert_array_equal(ies.Profile(plain.replace("NONE", "INCLUDE\r\n1\r\n2\r\n0 90\r\n1 0.9")).picture(), ies.Profile(plain).picture())
+        np.testing.assert_array_equal(ies.read(plain.replace("NONE", "INCLUDE\r\n1\r\n2\r\n0 90\r\n1 0.9")), ies.read(plain))
 
     def test_what_is_no_profile_is_refused(self):
         good = profile([0, 90], [0], lambda d, _: 5.0)
         for text in ("", "TILT=NONE\n1 2 x", profile([0, 90], [0], lambda d, _: 5.0, kind=2), good[:-3], profile([90, 0], [0], lambda d, _: 5.0)):
             with self.assertRaises((ValueError, IndexError)):
-                ies.Profile(text)
+                ies.read(text)
 
 
 class Curves(unittest.TestCase):

@@ -22,7 +22,7 @@ class Lamp:
     def __init__(self, owner, name, report, files, scene_ball, sees):
         self.owner, self.data, self.name, self.files, self.scene_ball, self.sees = owner, owner.data, name, files, scene_ball, sees
         self.lost, self.lost_of_all = report.of(f"lamp {owner.name}"), report.of("lamps")
-        self.profile = None  # of an IES texture
+        self.profile = None  # that of an IES texture: a picture
         data = self.data
         factor = 2.0 ** getattr(data, "exposure", 0.0)
         if data.type != "AREA" and not getattr(data, "normalize", True):  # since Blender 4.5
@@ -42,7 +42,7 @@ class Lamp:
             return 1, 1, 1
         texture, _ = graph.source(node.inputs["Strength"]) or (None, None)
         self.profile = self.read_profile(texture) if texture and texture.type == "TEX_IES" else None
-        color, amount = graph.of(node, "Color"), graph.of(texture if self.profile else node, "Strength")
+        color, amount = graph.of(node, "Color"), graph.of(node if self.profile is None else texture, "Strength")
         if is_constant(color, amount):
             return [c * amount.number() for c in color.rgb]
         self.profile = None
@@ -54,9 +54,9 @@ class Lamp:
             self.lost("the coordinates of its IES profile are its own")
         try:
             if node.mode == "INTERNAL":
-                return ies.Profile(node.ies.as_string() if node.ies else "")
+                return ies.read(node.ies.as_string() if node.ies else "")
             with open(bpy.path.abspath(node.filepath), encoding="latin-1") as file:
-                return ies.Profile(file.read())
+                return ies.read(file.read())
         except (OSError, ValueError, IndexError) as error:
             self.lost(f"its IES profile is left out: {error}")
             return None
@@ -74,7 +74,7 @@ class Lamp:
         axes = np.array(pose.to_3x3().normalized())
         if kind in ("SPOT", "AREA") and np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
             self.lost("its shear is left out")
-        if self.profile and kind in ("SUN", "AREA"):
+        if self.profile is not None and kind in ("SUN", "AREA"):
             self.lost("its IES profile is left out: only points and spots have one")
         place, *lines = MAKERS[kind](self, pose, watts)
         return ["AttributeBegin", matrix(place), *lines, "AttributeEnd"]
@@ -96,7 +96,7 @@ class Lamp:
     def by_direction(self, pose, watts, share=1.0):
         """A point whose light depends on the direction: on its profile, and on `share`, a picture as profiles have."""
         self.has_no_size()
-        picture = (ies.WATTS * self.profile.picture() if self.profile else 1) * share
+        picture = (1 if self.profile is None else ies.WATTS * self.profile) * share
         place = [[row[i] for i in (0, 2, 1, 3)] for row in at(pose)]  # pbrt exchanges y and z of these lights
         if picture.max() <= 0:
             self.lost("is left out: its profile or its cone is empty")
@@ -111,7 +111,7 @@ class Lamp:
     # Each kind: its place, and its lines.
     def point(self, pose, watts):
         radius = self.data.shadow_soft_size
-        if self.profile:
+        if self.profile is not None:
             return self.by_direction(pose, watts)
         if radius < 1e-6:
             return [at(pose), self.source("point", "I", watts / (4 * math.pi))]
@@ -123,7 +123,7 @@ class Lamp:
         outer = math.cos(cone)
         inner = outer + (1 - outer) * self.data.spot_blend
         stretch = np.maximum(1e-6, np.abs(pose.to_scale())) if bpy.app.version >= (4, 0, 0) else np.ones(3)
-        if self.profile or np.ptp(stretch) > 1e-4 * stretch.max():
+        if self.profile is not None or np.ptp(stretch) > 1e-4 * stretch.max():
             local = ies.directions() / stretch
             rise = np.clip((-local[..., 2] / np.linalg.norm(local, axis=-1) - outer) / max(inner - outer, 1e-6), 0, 1)
             return self.by_direction(pose, watts, rise * rise * (3 - 2 * rise))

@@ -120,5 +120,5 @@ def export(corners, places_of_slot, folder, lost):
             return []
         stands, vertex = ply.shared([at.astype(np.uint32), *(data[loop] for data, of_corners in columns.values() if of_corners)])
         kept = {name: data[(loop if of_corners else at)[stands]] for name, (data, of_corners) in columns.items()}
-        written.append((int(slot), ply.store(*ply.encode(triangles=vertex.reshape(-1, 3), **kept), folder)))
+        written.append((int(slot), ply.write(folder, triangles=vertex.reshape(-1, 3), **kept)))
     return written

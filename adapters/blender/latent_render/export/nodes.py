@@ -173,7 +173,9 @@ class Graph:
         name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
         if node.type == "ATTRIBUTE" and (node.attribute_type != "GEOMETRY" or output.name not in ("Color", "Fac", "Factor")):
             raise Unknown(f"Attribute {name}")
-        self.places.need_color(name)
+        if self.places.color not in (None, name):
+            raise Unknown(f"colour attribute {name} beside {self.places.color}")
+        self.places.color = name
         return Texture("latent:vertexcolor", {"string channel": "alpha"} if output.name == "Alpha" else {})
 
     def fresnel(self, node, output):

@@ -13,11 +13,6 @@ class Places:
         self.source, self.matrix, self.color = None, None, None
         self.direction = None  # coordinates whose first one the gloss follows
 
-    def need_color(self, name):
-        if self.color not in (None, name):
-            raise Unknown(f"colour attribute {name} beside {self.color}")
-        self.color = name
-
     def settle(self, lost):
         if self.source is None and self.direction:
             self.source, self.matrix = self.direction, np.eye(4)

@@ -24,8 +24,9 @@ def shared(columns):
 NOISE = 1e-6  # Blender 3.4 adds up the normals of a vertex in an order that changes
 
 
-def encode(positions, triangles, normals=None, uvs=None, colors=None):
-    """A file in three pieces: head, vertices, faces. One row for each vertex; triangles hold three numbers of vertices."""
+def write(folder, positions, triangles, normals=None, uvs=None, colors=None):
+    """Writes a mesh to a file in `folder` that its content names, unless it is there: returns its name. One row for each vertex; triangles hold
+    three numbers of vertices. Normals that differ by no more than NOISE are the same: otherwise, an unchanged scene would be another job."""
     columns = [("x y z", positions), ("nx ny nz", normals), ("u v", uvs), ("red green blue", colors)]
     fields = [(name, data[:, i]) for names, data in columns if data is not None for i, name in enumerate(names.split())]
     vertices = np.empty(len(positions), [(name, "<f4") for name, _ in fields])
@@ -35,24 +36,18 @@ def encode(positions, triangles, normals=None, uvs=None, colors=None):
     faces["count"], faces["corners"] = 3, triangles
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}", *(f"property float {name}" for name, _ in fields),
             f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
-    return "\n".join(head).encode(), vertices, faces
-
-
-def store(head, vertices, faces, folder):
-    """Writes a mesh to a file in `folder` that its content names, unless it is there: returns its name. Normals that differ by no more than
-    NOISE are the same: otherwise, an unchanged scene would be another job."""
-    normals = [name for name in vertices.dtype.names if name in ("nx", "ny", "nz")]
+    head, turned = "\n".join(head).encode(), [name for name, _ in fields if name.startswith("n")]
     digest = hashlib.blake2b(head, digest_size=12)
-    for name in vertices.dtype.names:
-        if name not in normals:
-            digest.update(np.ascontiguousarray(vertices[name]))
+    for name, data in fields:
+        if name not in turned:
+            digest.update(np.ascontiguousarray(data, "<f4"))
     digest.update(faces.tobytes())
     stem = os.path.join(folder, digest.hexdigest())
     for path in sorted(glob.glob(glob.escape(stem) + "*.ply")):
         known = np.fromfile(path, vertices.dtype, len(vertices), offset=len(head))
-        if all(np.abs(known[name] - vertices[name]).max(initial=0) <= NOISE for name in normals):
+        if all(np.abs(known[name] - vertices[name]).max(initial=0) <= NOISE for name in turned):
             return os.path.basename(path)
-    of_normals = hashlib.blake2b(b"".join(np.ascontiguousarray(vertices[name]) for name in normals), digest_size=6).hexdigest()
+    of_normals = hashlib.blake2b(b"".join(np.ascontiguousarray(vertices[name]) for name in turned), digest_size=6).hexdigest()
     path = f"{stem}-{of_normals}.ply"
     os.makedirs(folder, exist_ok=True)
     with open(path + ".unfinished", "wb") as file:
