@@ -47,11 +47,6 @@ class Corners:
             return np.where(smooth, read(mesh.vertices, "normal", 3)[at], read(mesh.polygons, "normal", 3)[of_face]), True
         return (read(corners, name, 3), True) if domain == "CORNER" else None
 
-    def uv_map(self, name):
-        layers = self.mesh.uv_layers
-        layer = layers.get(name) if name else next((layer for layer in layers if layer.active_render), layers.active)
-        return None if layer is None else read(layer.data, "uv", 2)
-
     def colors(self, name):
         """(values, whether they belong to corners) of an attribute. Numbers are grey."""
         colors = self.mesh.color_attributes
@@ -88,18 +83,20 @@ class Corners:
         """Texture coordinates as `places` asks: (values, whether they belong to corners), or None."""
         if places.source is None:
             return None
-        if places.source[0] == "radial":
-            return self.radial(places.source[1], lost), True
-        if places.source[0] == "uv":
-            uv = self.uv_map(places.source[1])
-            if uv is None:
-                lost(f"UV map {places.source[1] or '(active)'} is missing")
+        kind, *name = places.source
+        if kind == "radial":
+            return self.radial(*name, lost), True
+        points = self.positions
+        if kind == "uv":
+            layers = self.mesh.uv_layers
+            layer = layers.get(name[0]) if name[0] else next((layer for layer in layers if layer.active_render), layers.active)
+            if layer is None:
+                lost(f"UV map {name[0] or '(active)'} is missing")
                 return None
-            at = np.c_[uv, np.zeros(len(uv)), np.ones(len(uv))]
-        else:
-            points = (self.local(self.positions) + 1) / 2 if places.source[0] == "generated" else self.positions
-            at = np.c_[points, np.ones(len(points))]
-        return (at @ places.matrix.T)[:, :2].astype(np.float32), places.source[0] == "uv"
+            points = np.pad(read(layer.data, "uv", 2), ((0, 0), (0, 1)))
+        elif kind == "generated":
+            points = (self.local(self.positions) + 1) / 2
+        return (np.c_[points, np.ones(len(points))] @ places.matrix.T)[:, :2].astype(np.float32), kind == "uv"
 
 
 def export(corners, places_of_slot, folder, lost):
