@@ -59,7 +59,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 
 Status check_aovs(const AovSettings& aovs, const SceneDescription& scene) {
     if (aovs.lens && !(scene.camera.lens_radius > 0))
-        return usage_error("--aov lens: the camera of this scene has no lens; give it a lens radius");
+        return usage_error("--aov lens: the camera of this scene has no lens; give a perspective camera a lens radius");
     if (aovs.time && (!has_motion(scene) || scene.shutter.open == scene.shutter.close))
         return usage_error("--aov time: nothing moves in this scene while the shutter is open");
     return {};
