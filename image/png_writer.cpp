@@ -91,7 +91,8 @@ Result<Bytes> head(const PixelFormat& format, const ImageTags& tags) {
     const bool good = describe(png, info, format, tags, texts.data(), static_cast<int>(texts.size()));
     png_destroy_write_struct(&png, &info);
     if (!good) {
-        const bool no_memory = fault.find("memory") != std::string::npos;  // libpng says so in text alone
+        // libpng says so in text alone: "too many text chunks", too, is an array that could not grow.
+        const bool no_memory = fault.find("memory") != std::string::npos || fault.find("too many") != std::string::npos;
         return Error{no_memory ? ErrorCode::kNoMemory : ErrorCode::kUsage, "PNG: " + fault};
     }
     return out;
