@@ -59,7 +59,7 @@ class GltfTextures {
     const GltfDocument& document_;
     ModelValues values_;
     std::map<std::uint32_t, std::optional<PictureDescription>> pictures_;  // by index of /images
-    std::map<std::string, bool> opaque_;  // by path
+    std::map<std::string, bool> opaque_;                                   // by path
     std::vector<File> embedded_;
     std::vector<std::uint32_t> uv_sets_;
 };
