@@ -58,7 +58,8 @@ struct Textures::Builder {
             out.pictures_ = std::move(*created);
         }
         at->second = out.pictures_->open(d.path, d.name, {d.is_srgb, static_cast<float>(d.gamma)});
-        if (!at->second) errors.push_back(at->second.error().message);
+        if (!at->second && std::ranges::find(errors, at->second.error().message) == errors.end())  // in another encoding
+            errors.push_back(at->second.error().message);
         return at->second;
     }
     std::unique_ptr<FloatTexture> make_color(float, const TextureDescription& d, const std::optional<ImageLookup>& picture) {
