@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sampledb/read/run_set.h"
+#include "sampledb/read/run_set_view.h"
 
 namespace latent::develop {
 
@@ -18,29 +18,16 @@ struct PositionRange {
 // Where records reach pixels from .. to-1 of so many, with a filter of this reach.
 PositionRange positions_reaching(std::int64_t from, std::int64_t to, std::uint32_t pixels, int reach);
 
-// Pages that hold no such records are not read, and of others the rest is dropped before its values are looked at. `all` must
-// outlive it.
-class Spot final : public sampledb::RunSet {
+// Pages that hold no such records are not read, and of others the rest is dropped before its values are looked at.
+class Spot final : public sampledb::RunSetView {
  public:
-    Spot(const sampledb::RunSet& all, const PositionRange& u, const PositionRange& v) : all_(all), u_(u), v_(v) {}
+    Spot(const sampledb::RunSet& all, const PositionRange& u, const PositionRange& v) : RunSetView(all), u_(u), v_(v) {}
 
-    const sampledb::Job& job() const override { return all_.job(); }
-    const std::vector<std::filesystem::path>& files() const override { return all_.files(); }
-    const std::vector<sampledb::SelectedRun>& runs() const override { return all_.runs(); }
-    const sampledb::Coverage& coverage() const override { return all_.coverage(); }
-    const sampledb::RunSetReport& report() const override { return all_.report(); }
-    std::optional<sampledb::Resolution> resolution() const override { return all_.resolution(); }
-    std::uint64_t list_memory() const override { return all_.list_memory(); }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override;
     Status read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
                      sampledb::PageDecoder& decoder, sampledb::Page& page) const override;
-    void will_read(std::size_t run, const sampledb::PageInfo& first, const sampledb::PageInfo& last) const override {
-        all_.will_read(run, first, last);
-    }
-    std::uint64_t bytes_read() const override { return all_.bytes_read(); }
 
  private:
-    const sampledb::RunSet& all_;
     PositionRange u_, v_;
 };
 
