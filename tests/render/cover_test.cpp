@@ -124,6 +124,45 @@ TEST_F(Cover, WhatLetsLightPassClosesNothing) {
     EXPECT_EQ(backdrops(load_all(file)), std::vector{false});
 }
 
+// Not the whole picture counts, but what the walls show of it.
+TEST_F(Cover, AWallIsOpaqueWhereItsAlphaIs) {
+    const auto is_closed = [&](double alpha, double cutoff, double u) {
+        const int integer = static_cast<int>(255 * alpha);
+        folder_.write("wall.tga", testing::tga({integer, 0}, {77, 77}));
+        GltfFile file = cubes({{.half = 3}}, kClosed);
+        file.json["images"] = {{{"uri", "wall.tga"}}};
+        file.json["textures"] = {{{"source", 0}}};
+        Json& material = file.json["materials"][0];
+        material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}, {"texCoord", 1}};
+        material["alphaMode"] = cutoff < 0 ? "BLEND" : "MASK";
+        if (cutoff >= 0) material["alphaCutoff"] = cutoff;
+        Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+        attributes["TEXCOORD_0"] = file.add_floats({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC2");
+        attributes["TEXCOORD_1"] = file.add_floats({u, 0, u, 0, u, 0, u, 0, u, 0, u, 0, u, 0, u, 0}, "VEC2");
+        return backdrops(load_all(file)) == std::vector{true};
+    };
+    constexpr double kLeft = 0.25, kRight = 0.75, kBlend = -1;
+    EXPECT_TRUE(is_closed(1, kBlend, kLeft));
+    EXPECT_TRUE(is_closed(254.5 / 255, kBlend, kLeft));
+    EXPECT_FALSE(is_closed(0.8, kBlend, kLeft));
+    EXPECT_FALSE(is_closed(1, kBlend, kRight));
+    EXPECT_TRUE(is_closed(0.8, 0.5, kLeft));
+    EXPECT_FALSE(is_closed(0.8, 0.9, kLeft));
+    EXPECT_FALSE(is_closed(0.8, 0.5, kRight));
+    EXPECT_TRUE(is_closed(0.8, 0, kRight));
+}
+
+TEST_F(Cover, AlphaOfVerticesCountsToo) {
+    for (const bool is_opaque : {true, false}) {
+        GltfFile file = cubes({{.half = 3}}, kClosed);
+        file.json["materials"][0]["alphaMode"] = "BLEND";
+        const double last = is_opaque ? 1 : 0;
+        file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = file.add_floats(
+            {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, last}, "VEC4");
+        EXPECT_EQ(backdrops(load_all(file)), std::vector{is_opaque});
+    }
+}
+
 TEST_F(Cover, InstancesCloseARoom) {
     GltfFile file = cubes({{.half = 3, .reflectance = 0.3}, {.half = 1, .at = {50, 0, 0}}}, kClosed);
     EXPECT_EQ(backdrops(load_all(file)), (std::vector{true, false}));

@@ -52,7 +52,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/load/brdf", {"render/scene"}},
         {"render/load/files", {"render/scene", "image"}},
         {"render/load/pbrt", {"render/load/files", "render/load/mesh", "render/load/volume", "render/load/brdf"}},
-        {"render/load/model", {"render/load/files", "render/load/mesh"}},
+        {"render/load/model", {"render/load/files", "render/load/mesh", "render/texture"}},
         {"render/load/gltf", {"render/load/model"}},
         {"render/load/obj", {"render/load/model"}},
         {"render/load", {"render/load/pbrt", "render/load/gltf", "render/load/obj"}},
