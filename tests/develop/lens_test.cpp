@@ -14,7 +14,6 @@
 #include "tests/faults/process.h"
 #include "tools/develop/lens/lens_columns.h"
 #include "tools/develop/lens/lens_rows.h"
-#include "tools/develop/lens/refocused.h"
 #include "tools/develop/picture/picture.h"
 
 namespace latent::develop {
@@ -296,7 +295,7 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
         for (auto* values : {&moved.x, &moved.y, &moved.z}) values->back() *= static_cast<float>(all / seen);
     }
     for (const Settings& settings : {settings_for(24, 16), settings_for(72, 48)}) {  // one cell, and four
-        const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings, 2, nullptr, {}, lens);
+        const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {}, lens);
         expect_near(developed, reference(job, moved, range.size(), settings), 4);
     }
 }
@@ -371,7 +370,7 @@ TEST(Focus, CountsRecordsThatAreNotFiniteWhereTheyAreMoved) {
     }
     MemoryRunSet run_set(job);
     run_set.add(Coverage(range), records);
-    const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings_for(72, 48), 2, nullptr, {}, lens);
+    const Developed developed = develop_in_memory(run_set, settings_for(72, 48), 2, nullptr, {}, lens);
     EXPECT_LT(on_film, records.size() / 37);
     EXPECT_EQ(developed.counts.camera_not_finite, on_film);
 }
@@ -414,7 +413,7 @@ TEST(Focus, DependsOnNeitherMemoryNorThreads) {
     const MemoryRunSet run_set = runs_with_lens({.light_per_sample = 0.3}, 24, 16384);
     LensChoice lens = choice("0.8");
     lens.film_shift = {0.01, 0.02};
-    expect_same_with_little_memory(Refocused(run_set, lens.film_shift), settings_for(330, 220, "quartic:-6,2"), kAllLayers, lens);
+    expect_same_with_little_memory(run_set, settings_for(330, 220, "quartic:-6,2"), kAllLayers, lens);
 }
 
 class LensTool : public ::testing::Test {

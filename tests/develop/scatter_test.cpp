@@ -55,6 +55,8 @@ TEST(Scatter, IsThatOfOneRowAfterAnotherOnAllProcessors) {
                         memory.emplace_back(SegmentColumns::bytes(room, stride) + kBehind, std::byte{0xAB});
                         cells.push_back({SegmentColumns::at(memory.back().data(), room), 0, room});
                     }
+                    memory.emplace_back(SegmentColumns::bytes(count, stride));
+                    cells.push_back({SegmentColumns::at(memory.back().data(), count), 0, static_cast<std::uint32_t>(count)});
                     scatter({rows.cells, rows.u.data(), rows.v.data(), rows.values.data(), stride}, drops_zeros, cells);
                     for (std::uint32_t cell = 0; cell < kCells; ++cell) {
                         const SegmentColumns& columns = cells[cell].columns;

@@ -205,7 +205,8 @@ class Engine {
     Status hold_own_pages(const Region& region, std::span<std::byte>& room) {
         std::vector<PageRef> pages;
         const auto own = [&](const PageInfo& page) {
-            return page.node == region.node && !intersection(grid_.cells_of(page.node, page.part), region.cells).empty();
+            const PageReach reach = loader_.reach(page);
+            return reach.node == region.node && !intersection(reach.cells, region.cells).empty();
         };
         if (Status s = append_pages(own, pages); !s) return s;
         std::span<const PageRef> rest = pages;
@@ -219,15 +220,16 @@ class Engine {
     // Pages that reach into a region and are not in memory yet.
     auto reaching(const Region& region) const {
         return [this, region](const PageInfo& page) {
-            return !intersection(grid_.cells_of(page.node, page.part), region.cells).empty() &&
-                   std::ranges::find(held_, page.node, &Held::node) == held_.end();
+            const PageReach reach = loader_.reach(page);
+            return !intersection(reach.cells, region.cells).empty() &&
+                   std::ranges::find(held_, reach.node, &Held::node) == held_.end();
         };
     }
     // Camera pages that reach some cells of a region, given by their numbers in it, and are not in memory yet.
     auto reaching_some(const Region& region, std::span<const std::size_t> cells) const {
         return [this, region, cells, pages = reaching(region)](const PageInfo& page) {
             if (page.record_class != RecordClass::kCamera || !pages(page)) return false;
-            const PixelRect reached = grid_.cells_of(page.node, page.part);
+            const PixelRect reached = loader_.reach(page).cells;
             return std::ranges::any_of(cells, [&](std::size_t cell) {
                 const std::int64_t x = region.cells.x0 + static_cast<std::int64_t>(cell) % region.cells.width();
                 const std::int64_t y = region.cells.y0 + static_cast<std::int64_t>(cell) / region.cells.width();
@@ -457,8 +459,9 @@ std::optional<Spot> spot_of(const sampledb::RunSet& run_set, const Channels& cha
     const bool is_whole = crop == PixelRect{0, 0, settings.width, settings.height};
     if (is_whole || settings.dim_fireflies || (channels.lens() && channels.lens()->moves_records())) return std::nullopt;
     const int reach = settings.filter.reach();
-    return std::optional<Spot>(std::in_place, run_set, positions_reaching(crop.x0, crop.x1, settings.width, reach),
-                               positions_reaching(crop.y0, crop.y1, settings.height, reach));
+    return std::optional<Spot>(std::in_place, run_set,
+                               PositionRect{positions_reaching(crop.x0, crop.x1, settings.width, reach),
+                                            positions_reaching(crop.y0, crop.y1, settings.height, reach)});
 }
 
 }  // namespace

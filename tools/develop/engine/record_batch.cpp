@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kSortedLevels = 16;               // within smaller cells than these, the records of a page are in any order
 constexpr std::uint64_t kAlignment = 64;        // of arrays
+constexpr std::size_t kAtOnce = 512;            // rows whose values stay in the nearest cache
 constexpr std::size_t kPagesPerThread = 4;      // in work at once
 constexpr std::uint64_t kReadAhead = 8 << 20;   // bytes of pages that are on their way from disk
 constexpr std::uint64_t kReadAtOnce = 1 << 20;  // neighbours are announced together
@@ -77,20 +78,22 @@ void segments_in_order(std::span<const RecordBatch* const> batches, const PageRa
     }
 }
 
+PageReach Loader::reach(const sampledb::PageInfo& page) const {
+    const PositionRect positions = positions_of(page);
+    const PixelRect cells = grid_.cells_of(moves_records() ? channels_.lens()->moved_from(positions) : positions);
+    return {grid_.node_about(cells), cells};
+}
+
 std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
     const std::uint64_t pieces = pieces_at_most(page, cells);
     if (pieces == 0) return 0;
-    const PixelRect sorted = moves_records() ? reached(page, cells) : PixelRect{};
+    const PixelRect sorted = moves_records() ? intersection(reach(page).cells, cells) : PixelRect{};
     return kPageBytes + SegmentColumns::bytes(page.record_count, stride_) + pieces * segment_bytes() +
            static_cast<std::uint64_t>(sorted.width() * sorted.height()) * (sizeof(std::uint32_t) + sizeof(SegmentColumns));
 }
 
-PixelRect Loader::reached(const sampledb::PageInfo& page, const PixelRect& cells) const {
-    return intersection(grid_.cells_of(page.node, page.part), cells);
-}
-
 std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
-    const PixelRect common = reached(page, cells);
+    const PixelRect common = intersection(reach(page).cells, cells);
     if (common.empty()) return 0;
     if (grid_.level() > kSortedLevels) return page.record_count;
     return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
@@ -98,9 +101,9 @@ std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const Pixel
 
 double Loader::expected_segments(const sampledb::PageInfo& page, const PixelRect& cells) const {
     const auto area = [](const PixelRect& r) { return static_cast<double>(r.width()) * static_cast<double>(r.height()); };
-    const PixelRect common = reached(page, cells);
+    const PixelRect all = reach(page).cells, common = intersection(all, cells);
     if (common.empty()) return 0;
-    return area(common) * -std::expm1(-static_cast<double>(page.record_count) / area(grid_.cells_of(page.node, page.part)));
+    return area(common) * -std::expm1(-static_cast<double>(page.record_count) / area(all));
 }
 
 std::uint64_t Loader::thread_bytes() const {
@@ -249,12 +252,13 @@ void Loader::move_rows(sampledb::Page& page, MovedRows& moved, std::vector<CellR
 // A counting sort, which keeps the order of rows within a cell, without rows of zeros if there are many. x and y are positions on
 // the film. Returns how many of the rows have values that are not finite.
 std::uint64_t Loader::sort_moved_rows(const sampledb::Page& page, MovedRows& moved, std::byte* memory) const {
-    constexpr std::size_t kAtOnce = 512;  // rows whose values stay in the nearest cache
     moved.spaces.clear();
     for (std::uint32_t cell = 0; cell < moved.elsewhere(); ++cell) {
         moved.spaces.push_back({SegmentColumns::at(memory, moved.count[cell]), 0, moved.count[cell]});
         memory += SegmentColumns::bytes(moved.count[cell], stride_);
     }
+    moved.left_out.resize(SegmentColumns::bytes(kAtOnce, stride_));
+    moved.spaces.push_back({SegmentColumns::at(moved.left_out.data(), kAtOnce), 0, kAtOnce});
     moved.values.resize(kAtOnce * stride_);
     std::uint64_t not_finite = 0;
     for (std::size_t begin = 0; begin < page.count; begin += kAtOnce) {
@@ -291,7 +295,7 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     counts_.bytes += ref.info.stored_size;
     const LensWeights* const lens = channels_.lens() ? &*channels_.lens() : nullptr;
     if (moves_records()) {
-        worker.moved.wanted = reached(ref.info, filling.cells);
+        worker.moved.wanted = intersection(reach(ref.info).cells, filling.cells);
         move_rows(page, worker.moved, cells);
     } else {
         find_cells(page, cells);

@@ -53,6 +53,12 @@ struct DecodeCounts {
     std::atomic<std::uint64_t> camera_not_finite = 0, light_not_finite = 0;
 };
 
+// Where the records of a page go: cells, and the smallest node of the film that holds these.
+struct PageReach {
+    sampledb::FilmNode node;
+    PixelRect cells;
+};
+
 // Decodes pages, in parallel, into batches.
 class Loader {
  public:
@@ -63,6 +69,7 @@ class Loader {
           stopped_(stopped),
           stride_(static_cast<std::size_t>(channels.stride())) {}
 
+    PageReach reach(const sampledb::PageInfo& page) const;
     // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     static std::uint64_t index_bytes(const PixelRect& cells);
@@ -91,7 +98,8 @@ class Loader {
         PixelRect wanted;                  // cells, numbered row by row
         std::vector<std::uint32_t> cell;   // of each row; that behind the last for rows elsewhere
         std::vector<std::uint32_t> count;  // of each cell's rows
-        std::vector<CellSpace> spaces;     // of each cell
+        std::vector<CellSpace> spaces;     // of each cell, and for rows elsewhere
+        std::vector<std::byte> left_out;   // room for these
         std::vector<float> values;         // of some rows
         std::uint32_t kept_of(std::int64_t x, std::int64_t y) const {
             return spaces[static_cast<std::size_t>((y - wanted.y0) * wanted.width() + x - wanted.x0)].kept;
@@ -106,7 +114,6 @@ class Loader {
     };
 
     bool moves_records() const { return channels_.lens() && channels_.lens()->moves_records(); }
-    PixelRect reached(const sampledb::PageInfo& page, const PixelRect& cells) const;
     std::uint64_t pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     Status load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept);
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);

@@ -51,8 +51,9 @@ Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, c
             plan.stored_bytes_ += page.stored_size;
             plan.segments_ += loader.expected_segments(page, needed);
             reached += bytes * (page.part == sampledb::NodePart::kAnywhere ? 2 : 1);
-            const int level = std::min<int>(page.node.level, static_cast<int>(plan.inside_.size()) - 1);
-            std::uint64_t z = sampledb::z_code(page.node.x, page.node.y) >> (2 * (page.node.level - level));
+            const FilmNode node = loader.reach(page).node;
+            const int level = std::min<int>(node.level, static_cast<int>(plan.inside_.size()) - 1);
+            std::uint64_t z = sampledb::z_code(node.x, node.y) >> (2 * (node.level - level));
             for (int above = level; above >= 0; --above, z >>= 2) plan.inside_[above][z] += bytes;
         }
     }

@@ -35,7 +35,7 @@ std::size_t count_for(const sampledb::RunSet& all, const std::vector<std::uint32
 }
 
 Subset::Subset(const sampledb::RunSet& all, std::vector<std::uint32_t> runs)
-    : all_(all), numbers_(std::move(runs)), read_before_(all.bytes_read()) {
+    : RunSetView(all), numbers_(std::move(runs)), read_before_(all.bytes_read()) {
     std::ranges::sort(numbers_);  // as a run set's runs are
     std::vector<SampleRange> ranges;
     for (const std::uint32_t number : numbers_) {

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "sampledb/read/run_set.h"
+#include "sampledb/read/run_set_view.h"
 
 namespace latent::develop {
 
@@ -16,17 +15,12 @@ std::vector<std::uint32_t> shuffled_runs(const sampledb::RunSet& all);
 // How many of these, from the front, hold at least `fraction` of all samples; at least one, if there is any.
 std::size_t count_for(const sampledb::RunSet& all, const std::vector<std::uint32_t>& order, double fraction);
 
-// `all` must outlive it.
-class Subset final : public sampledb::RunSet {
+class Subset final : public sampledb::RunSetView {
  public:
     Subset(const sampledb::RunSet& all, std::vector<std::uint32_t> runs);
 
-    const sampledb::Job& job() const override { return all_.job(); }
-    const std::vector<std::filesystem::path>& files() const override { return all_.files(); }
     const std::vector<sampledb::SelectedRun>& runs() const override { return runs_; }
     const sampledb::Coverage& coverage() const override { return coverage_; }
-    const sampledb::RunSetReport& report() const override { return all_.report(); }
-    std::optional<sampledb::Resolution> resolution() const override { return all_.resolution(); }
     std::uint64_t list_memory() const override { return all_.list_memory() + runs_.size() * sizeof(sampledb::SelectedRun); }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override {
         return all_.pages(numbers_[run]);
@@ -41,7 +35,6 @@ class Subset final : public sampledb::RunSet {
     std::uint64_t bytes_read() const override { return all_.bytes_read() - read_before_; }
 
  private:
-    const sampledb::RunSet& all_;
     std::vector<std::uint32_t> numbers_;  // in `all_`
     std::vector<sampledb::SelectedRun> runs_;
     sampledb::Coverage coverage_;

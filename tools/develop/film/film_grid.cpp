@@ -1,6 +1,7 @@
 #include "tools/develop/film/film_grid.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace latent::develop {
 
@@ -89,7 +90,7 @@ PixelRect FilmGrid::inner_cells(const PixelRect& cells) const {
     return inner;
 }
 
-PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node, sampledb::NodePart part) const {
+PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node) const {
     if (node.level >= level_) {
         const int coarser = node.level - level_;
         const auto x = static_cast<std::int64_t>(std::uint64_t{node.x} >> coarser);
@@ -97,12 +98,15 @@ PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node, sampledb::NodePart 
         return {x, y, x + 1, y + 1};
     }
     const int finer = level_ - node.level;
-    PixelRect cells{std::int64_t{node.x} << finer, std::int64_t{node.y} << finer, (std::int64_t{node.x} + 1) << finer,
-                    (std::int64_t{node.y} + 1) << finer};
-    const std::int64_t half = cells.height() / 2;
-    if (part == sampledb::NodePart::kUpper) cells.y1 -= half;
-    if (part == sampledb::NodePart::kLower) cells.y0 += half;
-    return cells;
+    return {std::int64_t{node.x} << finer, std::int64_t{node.y} << finer, (std::int64_t{node.x} + 1) << finer,
+            (std::int64_t{node.y} + 1) << finer};
+}
+
+sampledb::FilmNode FilmGrid::node_about(const PixelRect& cells) const {
+    const auto differing = static_cast<std::uint64_t>((cells.x0 ^ (cells.x1 - 1)) | (cells.y0 ^ (cells.y1 - 1)));
+    const int above = std::bit_width(differing);  // levels
+    return {static_cast<std::uint8_t>(level_ - above), static_cast<std::uint32_t>(cells.x0 >> above),
+            static_cast<std::uint32_t>(cells.y0 >> above)};
 }
 
 }  // namespace latent::develop

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sampledb/data/page.h"
+#include "tools/develop/film/positions.h"
 
 namespace latent::develop {
 
@@ -54,8 +55,14 @@ class FilmGrid {
     // The bands of pixels from .. to-1, which lie on the film, in their order.
     void bands_x(std::int64_t from, std::int64_t to, std::vector<Band>& bands) const { x_.bands(from, to, bands); }
     void bands_y(std::int64_t from, std::int64_t to, std::vector<Band>& bands) const { y_.bands(from, to, bands); }
-    // Cells of a node of the film, or of a part of it, that is no smaller than a cell; for a smaller one, the cell that it lies in.
-    PixelRect cells_of(const sampledb::FilmNode& node, sampledb::NodePart part = sampledb::NodePart::kAnywhere) const;
+    // Cells of a node of the film that is no smaller than a cell; for a smaller one, the cell that it lies in.
+    PixelRect cells_of(const sampledb::FilmNode& node) const;
+    PixelRect cells_of(const PositionRect& positions) const {
+        return {cell_of(positions.u.from), cell_of(positions.v.from), std::int64_t{cell_of(positions.u.to)} + 1,
+                std::int64_t{cell_of(positions.v.to)} + 1};
+    }
+    // The smallest node that holds these cells, no smaller than a cell.
+    sampledb::FilmNode node_about(const PixelRect& cells) const;
 
     std::uint32_t cell_of(std::uint32_t position) const { return level_ == 0 ? 0 : position >> (32 - level_); }
     // Where a position lies in the window of its cell, as the splat kernels take it: 8 bits of column and 24 bits of g (filter.h).

@@ -10,9 +10,46 @@
 #include <bit>
 #include <cstring>
 
+#ifndef LATENT_DEVELOP_SCATTER
+#define LATENT_DEVELOP_SCATTER
+namespace latent::develop {
+
+// Rows are left out without a branch, which would be mispredicted where every second one is. kStride: if it is known; else 0.
+
+template <std::size_t kStride>
+bool is_zero(const float* row, std::size_t stride) {
+    if constexpr (kStride == 4) {
+        std::array<std::uint64_t, 2> bits;
+        std::memcpy(bits.data(), row, sizeof bits);
+        return ((bits[0] | bits[1]) & 0x7FFFFFFF7FFFFFFF) == 0;  // whatever the signs
+    }
+    return std::all_of(row, row + stride, [](float value) { return value == 0; });
+}
+
+template <std::size_t kStride, bool kDropsZeros>
+void scatter_rows(const ScatteredRows& rows, std::span<CellSpace> cells) {
+    const std::size_t stride = kStride > 0 ? kStride : rows.stride;
+    CellSpace* const spaces = cells.data();
+    const std::size_t left_out = cells.size() - 1;
+    const float* row = rows.values;
+    for (std::size_t i = 0; i < rows.cells.size(); ++i, row += stride) {
+        CellSpace& to = spaces[kDropsZeros && is_zero<kStride>(row, stride) ? left_out : rows.cells[i]];
+        const std::uint32_t place = to.kept++;
+        const auto [x, y, values] = to.columns;
+        x[place] = rows.u[i], y[place] = rows.v[i];
+        std::copy_n(row, stride, values + place * stride);
+    }
+    spaces[left_out].kept = 0;
+}
+
+}  // namespace latent::develop
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace latent::develop::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET <= HWY_AVX3
 
 // The rows from i on, as many as there are lanes, of four values each.
 template <class D>
@@ -26,7 +63,7 @@ HWY_INLINE void ScatterSome(D d, const ScatteredRows& rows, std::size_t i, bool 
     const auto cells = hn::LoadU(d, &rows.cells[i]), u = hn::LoadU(d, rows.u + i), v = hn::LoadU(d, rows.v + i);
     auto v0 = hn::Zero(df), v1 = v0, v2 = v0, v3 = v0;
     hn::LoadInterleaved4(df, rows.values + 4 * i, v0, v1, v2, v3);
-    auto stays = hn::Lt(cells, hn::Set(d, static_cast<std::uint32_t>(spaces.size())));
+    auto stays = hn::Lt(cells, hn::Set(d, static_cast<std::uint32_t>(spaces.size() - 1)));
     if (drops_zeros) {
         const auto any = hn::BitCast(d, hn::Or(hn::Or(v0, v1), hn::Or(v2, v3)));
         stays = hn::And(stays, hn::Ne(hn::Add(any, any), hn::Zero(d)));  // whatever the signs
@@ -55,6 +92,7 @@ HWY_INLINE void ScatterSome(D d, const ScatteredRows& rows, std::size_t i, bool 
     }
 }
 
+// Vectors are worth it where one instruction compresses them.
 void Scatter(const ScatteredRows& rows, bool drops_zeros, std::span<CellSpace> cells) {
     const hn::ScalableTag<std::uint32_t> d;
     const hn::CappedTag<std::uint32_t, 1> one;
@@ -62,6 +100,14 @@ void Scatter(const ScatteredRows& rows, bool drops_zeros, std::span<CellSpace> c
     for (; i + hn::Lanes(d) <= rows.cells.size(); i += hn::Lanes(d)) ScatterSome(d, rows, i, drops_zeros, cells);
     for (; i < rows.cells.size(); ++i) ScatterSome(one, rows, i, drops_zeros, cells);
 }
+
+#else
+
+void Scatter(const ScatteredRows& rows, bool drops_zeros, std::span<CellSpace> cells) {
+    drops_zeros ? scatter_rows<4, true>(rows, cells) : scatter_rows<4, false>(rows, cells);
+}
+
+#endif
 
 }  // namespace latent::develop::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -75,22 +121,12 @@ LATENT_SIMD_EXPORT(Scatter);
 
 namespace {
 
-template <std::size_t kStride>  // if it is known; else 0
-bool is_zero(const float* row, std::size_t stride) {
-    if constexpr (kStride == 4) {
-        std::array<std::uint64_t, 2> bits;
-        std::memcpy(bits.data(), row, sizeof bits);
-        return ((bits[0] | bits[1]) & 0x7FFFFFFF7FFFFFFF) == 0;  // whatever the signs
-    }
-    return std::all_of(row, row + stride, [](float value) { return value == 0; });
-}
-
 template <std::size_t kStride>
 std::uint32_t drop_zeros_of(const SegmentColumns& columns, std::uint32_t count, std::size_t run_stride) {
     const std::size_t stride = kStride > 0 ? kStride : run_stride;
     const auto [x, y, values] = columns;
     std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {  // without a branch, which would be mispredicted where every second row is left out
+    for (std::uint32_t i = 0; i < count; ++i) {
         const float* const row = values + i * stride;
         const bool stays = !is_zero<kStride>(row, stride);
         x[kept] = x[i], y[kept] = y[i];
@@ -104,14 +140,7 @@ std::uint32_t drop_zeros_of(const SegmentColumns& columns, std::uint32_t count, 
 
 void scatter(const ScatteredRows& rows, bool drops_zeros, std::span<CellSpace> cells) {
     if (rows.stride == 4) return LATENT_SIMD_CALL(Scatter)(rows, drops_zeros, cells);
-    for (std::size_t i = 0; i < rows.cells.size(); ++i) {
-        const float* const values = rows.values + i * rows.stride;
-        if (rows.cells[i] >= cells.size() || (drops_zeros && is_zero<0>(values, rows.stride))) continue;
-        CellSpace& to = cells[rows.cells[i]];
-        to.columns.x[to.kept] = rows.u[i], to.columns.y[to.kept] = rows.v[i];
-        std::copy_n(values, rows.stride, to.columns.values + to.kept * rows.stride);
-        ++to.kept;
-    }
+    drops_zeros ? scatter_rows<0, true>(rows, cells) : scatter_rows<0, false>(rows, cells);
 }
 
 std::uint32_t drop_zeros(const SegmentColumns& columns, std::uint32_t count, std::size_t stride) {

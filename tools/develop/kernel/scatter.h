@@ -21,8 +21,8 @@ struct CellSpace {
     SegmentColumns columns;
     std::uint32_t kept, room;
 };
-// Appends rows to those of their cells, positions as x and y, in the order that they have. Rows of the cell behind the last are
-// left out, and, if `drops_zeros`, rows of zeros, which add nothing to any sum.
+// Appends rows to those of their cells, positions as x and y, in the order that they have. Rows of the last cell are left out, and,
+// if `drops_zeros`, rows of zeros, which add nothing to any sum: that cell keeps nothing, and needs room for all rows of a call.
 void scatter(const ScatteredRows& rows, bool drops_zeros, std::span<CellSpace> cells);
 
 // Takes rows of zeros out of columns. Returns how many rows are left.

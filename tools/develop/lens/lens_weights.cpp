@@ -244,6 +244,15 @@ void LensWeights::set_shutter(const Shutter& shutter, const ShutterCurve& curve)
     kept_ *= moments.kept();
 }
 
+PositionRect LensWeights::moved_from(const PositionRect& positions) const {
+    const auto range = [](const PositionRange& along, double shift) {
+        const double reach = std::abs(shift);
+        const auto place = [](double x) { return static_cast<std::uint32_t>(std::clamp(x, 0.0, 1 - 0x1p-32) * 0x1p32); };
+        return PositionRange{place(along.from * 0x1p-32 - reach), place((along.to + 1.0) * 0x1p-32 + reach)};
+    };
+    return {range(positions.u, film_shift_[0]), range(positions.v, film_shift_[1])};
+}
+
 void LensWeights::move(sampledb::Page& page, int level, const PixelRect& wanted, std::span<std::uint32_t> cells) const {
     std::array<std::vector<std::uint8_t>, 2> copies;
     const auto lens = [&](std::size_t axis) {

@@ -72,8 +72,10 @@ class LensWeights {
     // Whether many weights are 0.
     bool leaves_records_out() const { return leaves_out_; }
 
-    // Whether the lens is focused elsewhere. Pages must then be of a Refocused with the same shift, whose nodes hold what is moved.
+    // Whether the lens is focused elsewhere.
     bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
+    // Where records that lie in `positions` may be moved to.
+    PositionRect moved_from(const PositionRect& positions) const;
     // Moves the records of a page along the film by its shift x their points of the lens. `cells`, of all rows: the numbers of
     // their new cells, as move_positions gives them.
     void move(sampledb::Page& page, int level, const PixelRect& wanted, std::span<std::uint32_t> cells) const;

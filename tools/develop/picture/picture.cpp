@@ -18,7 +18,6 @@
 #include "tools/develop/kernel/splat.h"
 #include "tools/develop/lens/lens_columns.h"
 #include "tools/develop/lens/recorded_lens.h"
-#include "tools/develop/lens/refocused.h"
 #include "tools/develop/picture/denoised_picture.h"
 #include "tools/develop/picture/exr_picture.h"
 #include "tools/develop/picture/oidn_picture.h"
@@ -365,14 +364,11 @@ Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb:
 
 // `running`: since the command began.
 Result<PictureReport> develop_open(const PictureOptions& asked, const sampledb::RunSetOptions& selection,
-                                   const sampledb::RunSet& opened, const Stopwatch& running, PictureSink& sink,
+                                   const sampledb::RunSet& all, const Stopwatch& running, PictureSink& sink,
                                    const Progress& progress) {
-    const Result<PictureOptions> seen = seen_by_lens(asked, opened);
+    const Result<PictureOptions> seen = seen_by_lens(asked, all);
     if (!seen) return seen.error();
     const PictureOptions& options = *seen;
-    std::optional<Refocused> refocused;
-    if (options.lens.is_refocused()) refocused.emplace(opened, options.lens.film_shift);
-    const sampledb::RunSet& all = refocused ? *refocused : opened;
     const std::uint64_t available = all.coverage().size();
     if (!options.is_preview())
         return develop_prepared(options, all, prepare(options, selection, all, available, default_size(all)), true, sink, progress);
@@ -494,9 +490,7 @@ Result<Forecast> forecast_one(const PictureOptions& given, std::uint32_t picture
     const Result<PictureOptions> seen = seen_by_lens(given, **opened);
     if (!seen) return seen.error();
     const PictureOptions& asked = *seen;
-    std::optional<Refocused> refocused;
-    if (asked.lens.is_refocused()) refocused.emplace(**opened, asked.lens.film_shift);
-    const sampledb::RunSet& all = refocused ? *refocused : **opened;
+    const sampledb::RunSet& all = **opened;
     if (all.coverage().empty()) return nothing_to_develop(selection);
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const std::size_t runs = count_for(all, order, asked.fraction);
