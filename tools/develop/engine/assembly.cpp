@@ -329,11 +329,14 @@ void Assembly::finish(const Pane& pane, const Piece& piece, const Sums& sums, fl
 // The rectangle, in `pixels` of a piece, of those whose weight is too small.
 PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums) const {
     PixelRect few{pixels.x1, pixels.y1, pixels.x0, pixels.y0};
+    const bool inside = border_.inside(pixels);  // all have the same least weight
+    double least = min_weight(pixels.x0, pixels.y0);
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
-        for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) {
-            const double* const at = sums.camera + static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
-                                     static_cast<std::size_t>((x - piece.pixels.x0) * stride_);
-            if (normalisation_.layout.min_divisor(at) >= min_weight(x, y)) continue;
+        const double* at = sums.camera + static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
+                           static_cast<std::size_t>((pixels.x0 - piece.pixels.x0) * stride_);
+        for (std::int64_t x = pixels.x0; x < pixels.x1; ++x, at += stride_) {
+            if (!inside) least = min_weight(x, y);
+            if (normalisation_.layout.min_divisor(at) >= least) continue;
             few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
         }
     }

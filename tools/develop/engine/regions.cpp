@@ -18,6 +18,13 @@ constexpr std::uint64_t kMinBatch = 8 << 20;  // bytes
 constexpr std::uint64_t kComfortable = 32 << 20;
 constexpr std::uint64_t kMinRead = 256 << 10;
 
+// The share of the four children of a node (its cells) that some of its cells lie in; a single cell is not split.
+double share_of_children(const PixelRect& node, const PixelRect& cells) {
+    if (node.width() == 1) return 1;
+    const std::int64_t x = (node.x0 + node.x1) / 2, y = (node.y0 + node.y1) / 2;
+    return (cells.x0 < x && cells.x1 > x ? 1 : 0.5) * (cells.y0 < y && cells.y1 > y ? 1 : 0.5);
+}
+
 }  // namespace
 
 FilmNode child(const FilmNode& node, int i) {
@@ -39,7 +46,7 @@ Plan::Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_
 Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, const PixelRect& needed, Classes classes,
                         const Loader& loader, const CellBytes& cell_bytes) {
     Plan plan(grid, needed, cell_bytes, run_set.runs().size());
-    std::uint64_t reached = 0;  // bytes, twice
+    double reached = 0;  // bytes
     for (std::size_t run = 0; run < run_set.runs().size(); ++run) {
         const auto pages = run_set.pages(run);
         if (!pages) return pages.error();
@@ -50,15 +57,14 @@ Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, c
             ++plan.pages_;
             plan.stored_bytes_ += page.stored_size;
             plan.segments_ += loader.expected_segments(page, needed);
-            reached += bytes * (page.part == sampledb::NodePart::kAnywhere ? 2 : 1);
-            const FilmNode node = loader.reach(page).node;
+            const auto [node, cells] = loader.reach(page);
+            reached += static_cast<double>(bytes) * share_of_children(grid.cells_of(node), cells);
             const int level = std::min<int>(node.level, static_cast<int>(plan.inside_.size()) - 1);
             std::uint64_t z = sampledb::z_code(node.x, node.y) >> (2 * (node.level - level));
             for (int above = level; above >= 0; --above, z >>= 2) plan.inside_[above][z] += bytes;
         }
     }
-    if (const std::uint64_t all = plan.inside({}); all > 0)
-        plan.reach_ = static_cast<double>(reached) / (2 * static_cast<double>(all));
+    if (const std::uint64_t all = plan.inside({}); all > 0) plan.reach_ = reached / static_cast<double>(all);
     return plan;
 }
 
@@ -87,8 +93,8 @@ Way Plan::way(const FilmNode& node, std::uint64_t room, std::uint64_t missed) co
     const std::uint64_t windows = window_bytes(its_cells) + index;
     const bool resident = records <= std::min(std::max(room / 8 * 5, min_batch_), room - cell_bytes_.window);
     const bool streaming = windows <= std::min(room / 4 * 3, room - min_batch_);
-    const bool splits_well =
-        std::min(records, windows) > kComfortable && own(node) + missed <= records / 64 && records / 4 >= runs_ * kMinRead;
+    const bool splits_well = std::min(records, windows) > kComfortable && own(node) <= records / 4 && missed <= records / 64 &&
+                             records / 4 >= runs_ * kMinRead;
     if (node.level < grid_->level() && (splits_well || (!resident && !streaming))) return Way::kSplit;
     return resident ? Way::kResident : Way::kStreaming;
 }

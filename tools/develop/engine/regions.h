@@ -77,7 +77,7 @@ class Plan {
     CellBytes cell_bytes_;
     std::uint64_t runs_;
     std::vector<std::vector<std::uint64_t>> inside_;  // bytes of records of pages that lie in a node, by level and Z order
-    double reach_ = 1;                                // share of its node that a page lies in, on average
+    double reach_ = 1;                                // share of its node's children that a page lies in, on average
     std::uint64_t min_batch_, pages_ = 0, stored_bytes_ = 0;
     double segments_ = 0;
 };
