@@ -326,9 +326,9 @@ void Assembly::finish(const Pane& pane, const Piece& piece, const Sums& sums, fl
     if (few > 0) finish_few_samples(pane, piece, sums, out, out_row);
 }
 
-// The rectangle, in `pixels` of a piece, of those whose weight is too small.
-PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums) const {
-    PixelRect few{pixels.x1, pixels.y1, pixels.x0, pixels.y0};
+// Visits those of a piece's pixels whose weight is too small, until `visit` returns false.
+template <class Visit>
+void Assembly::for_few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums, const Visit& visit) const {
     const bool inside = border_.inside(pixels);  // all have the same least weight
     double least = min_weight(pixels.x0, pixels.y0);
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
@@ -336,21 +336,26 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
                            static_cast<std::size_t>((pixels.x0 - piece.pixels.x0) * stride_);
         for (std::int64_t x = pixels.x0; x < pixels.x1; ++x, at += stride_) {
             if (!inside) least = min_weight(x, y);
-            if (normalisation_.layout.min_divisor(at) >= least) continue;
-            few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
+            if (normalisation_.layout.min_divisor(at) < least && !visit(x, y)) return;
         }
     }
-    return few;
 }
 
 void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row) {
     const auto stride = static_cast<std::size_t>(stride_), outputs = static_cast<std::size_t>(normalisation_.layout.outputs()),
                share = static_cast<std::size_t>(normalisation_.layout.share());
     thread_local std::vector<double> positive;
+    thread_local std::vector<std::array<std::int64_t, 2>> pixels;
     std::uint64_t fallback = 0, empty = 0;
     for_chunks(piece.pixels, [&](const PixelRect& chunk) {
-        const PixelRect few = few_samples(chunk, piece, sums);
-        if (few.empty()) return;
+        PixelRect few{chunk.x1, chunk.y1, chunk.x0, chunk.y0};  // about them
+        pixels.clear();
+        for_few_samples(chunk, piece, sums, [&](std::int64_t x, std::int64_t y) {
+            pixels.push_back({x, y});
+            few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
+            return true;
+        });
+        if (pixels.empty()) return;
         const auto row_of = [&](std::int64_t y) { return static_cast<std::size_t>(y - piece.pixels.y0); };
         const auto column_of = [&](std::int64_t x) { return static_cast<std::size_t>(x - piece.pixels.x0); };
         positive.assign(static_cast<std::size_t>(few.width() * few.height()) * stride, 0.0);
@@ -367,23 +372,19 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
                             &positive[static_cast<std::size_t>(y * few.width()) * stride]);
             }
         }
-        const double* at = positive.data();
-        for (std::int64_t y = few.y0; y < few.y1; ++y) {
-            for (std::int64_t x = few.x0; x < few.x1; ++x, at += stride) {
-                const std::size_t row = row_of(y), column = column_of(x);
-                const double least = normalisation_.layout.min_divisor(sums.camera + row * sums.camera_row + column * stride);
-                if (least >= min_weight(x, y)) continue;
-                const double none = 0, scale = light_scale(x, y);
-                normalise_row({at,
-                               sums.light ? sums.light + row * sums.light_row + column * stride : nullptr,
-                               normalisation_.layout,
-                               {&none, 1},
-                               {&scale, 1},
-                               normalisation_.half_scale},
-                              out + row * out_row + column * outputs);
-                fallback += has_lobes_ && at[share] > 0;
-                empty += !(at[share] > 0);
-            }
+        for (const auto& [x, y] : pixels) {
+            const std::size_t row = row_of(y), column = column_of(x);
+            const double* const at = &positive[static_cast<std::size_t>((y - few.y0) * few.width() + x - few.x0) * stride];
+            const double none = 0, scale = light_scale(x, y);
+            normalise_row({at,
+                           sums.light ? sums.light + row * sums.light_row + column * stride : nullptr,
+                           normalisation_.layout,
+                           {&none, 1},
+                           {&scale, 1},
+                           normalisation_.half_scale},
+                          out + row * out_row + column * outputs);
+            fallback += has_lobes_ && at[share] > 0;
+            empty += !(at[share] > 0);
         }
     });
     counts_.fallback += fallback;
@@ -398,7 +399,10 @@ std::vector<std::size_t> Assembly::cells_of_few_samples(const Windows& windows) 
         for_pieces(tiles[i].pixels, [&](const Piece& piece) {
             if (!contains(windows.cells, piece.cells)) return;
             const Sums sums = sums_in_pane(windows, piece, memory);
-            if (!sums.camera || few_samples(piece.pixels, piece, sums).empty()) return;
+            bool any = false;
+            const auto found = [&](std::int64_t, std::int64_t) { return !(any = true); };
+            if (sums.camera) for_few_samples(piece.pixels, piece, sums, found);
+            if (!any) return;
             for (std::int64_t y = piece.cells.y0; y < piece.cells.y1; ++y) {
                 for (std::int64_t x = piece.cells.x0; x < piece.cells.x1; ++x)
                     few[static_cast<std::size_t>((y - windows.cells.y0) * windows.cells.width() + x - windows.cells.x0)] = true;

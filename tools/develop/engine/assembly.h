@@ -99,7 +99,8 @@ class Assembly {
     Sums sums_in_pane(const Windows& windows, const Piece& piece, std::vector<double>& memory) const;
     void finish(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row);
     void finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row);
-    PixelRect few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums) const;
+    template <class Visit>
+    void for_few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums, const Visit& visit) const;
     double min_weight(std::int64_t x, std::int64_t y) const;
     double light_scale(std::int64_t x, std::int64_t y) const;
 
