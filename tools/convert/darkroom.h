@@ -22,7 +22,7 @@ struct Source;
 enum class Halation : std::uint8_t { kNone, kBacked, kBare };
 
 struct DarkroomOptions {
-    std::string look;                              // of looks.h, for what is not given; "": none
+    std::string look;                              // a name in looks.h, for what is not given; "": none
     std::string paper;                             // "": a print of a picture that is not on film
     std::string film;                              // whose exposures the picture holds; "": as the picture says
     std::optional<std::array<double, 3>> filters;  // densities of Y, M, C; none: solved
@@ -32,7 +32,7 @@ struct DarkroomOptions {
     std::optional<bool> grain, mtf;    // none: no, or as the look says
     std::optional<Halation> halation;  // the same
     std::optional<double> frame_mm;    // longer side of the frame on the film
-    std::uint64_t seed = 1;            // of the grain
+    std::uint64_t seed = 1;            // the grain's
 
     double frame() const { return frame_mm.value_or(36); }
 };

@@ -27,7 +27,7 @@ struct Display {
     std::optional<color::RgbSpace> proof_space;
     std::shared_ptr<const DeviceTransform> proof;
     std::string proof_name;                    // what the simulated profile calls itself
-    std::shared_ptr<const DeviceGamut> gamut;  // of a profile of tables, or of the one that is simulated
+    std::shared_ptr<const DeviceGamut> gamut;  // the gamut of a profile with tables, or of the one that is simulated
 
     bool has_tables() const { return device && gamut; }
     const color::RgbSpace& print_space() const { return proof_space ? *proof_space : space; }

@@ -22,7 +22,7 @@ struct Place {
 struct Dodge {
     std::string text;  // as it was asked for
     double stops = 0;
-    double radius = 0;          // of the brush, in parts of the picture's longer side; 0: a gradient
+    double radius = 0;          // the brush's, in parts of the picture's longer side; 0: a gradient
     std::vector<Place> line{};  // that the brush follows; of a gradient: where it has all of its stops, and where none
 };
 // "brush:EV,RADIUS,X,Y,...", "gradient:EV,X0,Y0,X1,Y1". Errors: kUsage.

@@ -20,7 +20,7 @@ struct Glare {
     std::string text;  // as it was asked for
     bool eye = false;
     // For a lens:
-    double f_number = 8;  // of the circle, on which the corners between blades lie
+    double f_number = 8;  // that of the circle through the corners between blades
     image::Blades blades{};
     std::filesystem::path aperture{};  // a picture of it, how much light passes; "": blades
     // For an eye:

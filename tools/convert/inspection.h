@@ -22,9 +22,9 @@ struct HueShifts {
 };
 
 struct InspectedRow {
-    std::span<const float> x, y, z;         // of the picture
+    std::span<const float> x, y, z;         // the picture's
     std::span<const float> luminance;       // after adaptation
-    std::span<float> red, green, blue;      // of the print
+    std::span<float> red, green, blue;      // the print's
     std::span<const std::uint8_t> lacking;  // 1: the device lacks this colour; empty: what is out of gamut, the print says
     int first_x = 0, row_y = 0;             // in the coordinates of the display window
 };

@@ -43,9 +43,10 @@ struct ConvertOptions {
     std::vector<std::filesystem::path> outputs;  // the format is the extension's
     std::shared_ptr<CodeValues> codes;           // gets the first print as well, or instead
 
-    std::string layer;        // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer
-    std::string observer;     // of a spectral picture: of the catalogue, or a CSV file; "": cie1931
-    std::string input_space;  // of the pixels, whatever the file says: "xyz", or as of color/rgb_space.h; "": the file's
+    std::string layer;     // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer
+    std::string observer;  // for spectral pictures: a name in the catalogue, or a CSV file; "": cie1931
+    std::string
+        input_space;  // what the pixels are in, whatever the file says: "xyz", or a name in color/rgb_space.h; "": the file's
 
     std::optional<double> sensitivity;       // sigma, before `stops`; none: chosen from the picture, or 1 with tone "none"
     std::optional<CameraExposure> exposure;  // that sigma follows from
@@ -57,7 +58,7 @@ struct ConvertOptions {
     std::string gamut = "luminance";
     std::string profile = "srgb";
     std::string proof;    // profile of another device, whose prints are shown; "": none
-    Rendering rendering;  // of profiles of tables
+    Rendering rendering;  // for profiles with tables
     std::optional<std::array<double, 3>> luminance_row;
     std::optional<White> white;      // printed neutral; unless given, the picture's own white
     std::string adapt = "bradford";  // from that white to the display's
@@ -65,11 +66,11 @@ struct ConvertOptions {
     std::optional<Vignette> vignette;  // that the light of the scene gets, and then
     std::optional<Glare> glare;
     std::vector<Dodge> dodges;  // light that parts of the print get
-    DarkroomOptions darkroom;   // of pictures on film
+    DarkroomOptions darkroom;   // for pictures on film
 
     bool grey = false;                              // one channel, the luminance of the print
     Depth depth = Depth::kDefault;                  // 8 for display files, float for EXR; only what the format holds is accepted
-    color::Dither dither = color::Dither::kRandom;  // of 8 bits
+    color::Dither dither = color::Dither::kRandom;  // for outputs of 8 bits
     bool show_clipped = false;                      // mark what is burnt, black or out of gamut
     bool gamut_report = false;                      // look for the largest shift of hue
     std::optional<image::Rect> crop;                // in the coordinates of the display window
@@ -77,8 +78,8 @@ struct ConvertOptions {
     int dpi = 300;                                  // pixels per inch: how large the print is on paper
     double paper_width_mm = 0;                      // instead: its width; 0: not given
 
-    int quality = 90;               // of JPEG
-    int png_level = 1;              // of zlib, in PNG and TIFF
+    int quality = 90;               // for JPEG
+    int png_level = 1;              // zlib's, in PNG and TIFF
     bool tiles = false;             // TIFF
     bool pyramid = false;           // TIFF
     bool png_tiles = false;         // Deep Zoom
@@ -117,7 +118,7 @@ struct PassReport {
     color::LuminanceHistogram luminance;  // Y of the printed pixels in the scene, before adaptation
 };
 
-struct ConvertReport : ExposureReport {  // of the first exposure
+struct ConvertReport : ExposureReport {  // the first exposure's
     std::vector<ExposureReport> others;
     int width = 0, height = 0;
     std::string profile, gamut, tone, adapt;
@@ -127,7 +128,7 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::size_t dodged = 0;              // parts that got light of their own
     std::string shown;                   // shown_by()
     std::string proof;                   // name of the profile that is simulated; "": none
-    std::optional<Rendering> rendering;  // of profiles of tables, and of proofs
+    std::optional<Rendering> rendering;  // for profiles with tables, and proofs
     std::vector<std::string> warnings, notes;
     int dpi = 0;  // that --paper-width gives; 0: not asked for
     double contrast = 1, black_point = 0;

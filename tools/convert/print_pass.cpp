@@ -46,9 +46,9 @@ struct Workbench {
     image::ExrReader::Scratch scratch;
     std::vector<float> planes, printed;
     std::vector<float> film_print;  // X, Y, Z of a row
-    std::vector<float> noise;       // of the grain, in planes of a block
+    std::vector<float> noise;       // the grain's, in planes of a block
     film::GrainField::Scratch grain;
-    std::vector<float> luminances;  // of a row, in the scene or as printed
+    std::vector<float> luminances;  // one row's, in the scene or as printed
     std::vector<std::uint8_t> lacking;
     color::LuminanceHistogram histogram;
     std::vector<Outcome> outcomes;
@@ -176,7 +176,7 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
     Workbenches benches;
     FirstError error;
     std::size_t next = 0, done = 0;
-    using Bands = std::vector<std::vector<Band>>;  // of the outputs of each exposure
+    using Bands = std::vector<std::vector<Band>>;  // for each exposure, one for each output
     const bool apart = needs_second_block(exposures, settings);
     const auto print_band = [&](tbb::flow_control& flow) -> std::shared_ptr<Bands> {
         if (next == plan.band_ends.size() || error) {

@@ -28,12 +28,12 @@ struct PassSettings {
     std::array<double, 3> y_row;                   // luminance in the scene, of the file's pixels
     color::RgbSpace space;                         // that is printed for
     std::shared_ptr<const DeviceTransform> proof;  // applied to what was printed; null: none
-    color::RgbSpace shown_space;                   // of the result
+    color::RgbSpace shown_space;                   // the result's
     std::shared_ptr<const DeviceGamut> gamut;      // null: that of `space`
     bool show_clipped = false, gamut_report = false;
-    std::shared_ptr<const Emulsion> emulsion{};  // of film; null: none
+    std::shared_ptr<const Emulsion> emulsion{};  // the film; null: none
     int frame_x0 = 0, frame_y0 = 0;              // corner of the picture's frame
-    Dodging dodging;                             // of parts of the picture
+    Dodging dodging;                             // brighter and darker parts
     std::shared_ptr<Rows> light{};               // what the picture's light becomes before it is printed; null: it stays
 };
 

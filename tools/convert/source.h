@@ -18,10 +18,10 @@ struct Source {
     image::Rect area;              // the part to print, in the coordinates of the display window
     color::Matrix3 xyz_from_file;  // the identity for a file that holds XYZ
     color::Chromaticity white;     // what counts as white: the file's adopted neutral, else its white, else D65; or the observer's
-    std::optional<double> cd_m2;   // of Y = 1
+    std::optional<double> cd_m2;   // luminance where Y = 1
     std::string observer{};        // that the pixels were made for; "": unknown
     std::vector<std::string> warnings{};
-    std::optional<FallOff> fall_off{};  // of the lens that the picture gets
+    std::optional<FallOff> fall_off{};  // light that the lens loses off its axis
 
     // As ExrReader::read, and with the fall-off.
     Status read(const image::Rect& area, const std::array<float*, 3>& planes, std::size_t row_stride,

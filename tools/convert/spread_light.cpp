@@ -170,7 +170,7 @@ class CellRows : public Rows {
 // A place between the middles of cells.
 struct Between {
     int below, above;
-    float part;  // of the way
+    float part;  // share of the way
 };
 Between between(int pixel, int cell, int cells) {
     const int from_first = 2 * pixel + 1 - cell;  // in halves of a pixel

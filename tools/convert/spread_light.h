@@ -12,8 +12,8 @@ namespace latent::convert {
 // Where light goes. What goes far does so from and to squares of `cell` pixels, which are small beside its way: convolutions of
 // large pictures take little memory and time then.
 struct Spread {
-    std::optional<image::Kernel> near;  // of pixels; first
-    std::optional<image::Kernel> far;   // of cells
+    std::optional<image::Kernel> near;  // applied to pixels, before the other
+    std::optional<image::Kernel> far;   // applied to cells
     int cell = 1;
 
     explicit operator bool() const { return near || far; }

@@ -16,7 +16,7 @@ extern const char* const kViewerPage;
 // A pyramid that another print left.
 struct OtherPyramid {
     std::string name;    // "NAME" of NAME.dzi
-    std::string folder;  // of its tiles, as seen from the page
+    std::string folder;  // where its tiles are, as seen from the page
     std::string format;
     int tile = 0, overlap = 0;
 };

@@ -21,7 +21,7 @@ enum class CatFormat : std::uint8_t { kCsv, kJsonLines, kNpy };
 struct CatOptions {
     std::vector<std::filesystem::path> inputs;
     CatFormat format = CatFormat::kCsv;
-    std::vector<std::string> columns;  // of npy, in this order; none: all
+    std::vector<std::string> columns;  // for npy, in this order; none: all
     std::optional<sampledb::SampleRange> samples;
     std::optional<sampledb::JobId> job;           // where folders hold several: this one
     std::optional<std::array<double, 4>> region;  // u0, v0, u1, v1 in [0,1]

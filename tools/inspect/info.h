@@ -29,9 +29,9 @@ struct FileInfo {
     sampledb::FileContents contents;
     sampledb::Coverage coverage;
     std::uint64_t runs = 0, superseded_runs = 0;  // runs that count, and those that others supersede
-    std::uint64_t open_runs = 0;                  // of those that count: checkpoints, closing runs, runs that were cut at R
-    std::uint64_t pages = 0, camera_records = 0, light_records = 0;  // of the runs that count
-    std::uint64_t stored_bytes = 0;                                  // of these
+    std::uint64_t open_runs = 0;                  // among those that count: checkpoints, closing runs, runs that were cut at R
+    std::uint64_t pages = 0, camera_records = 0, light_records = 0;  // in the runs that count
+    std::uint64_t stored_bytes = 0;                                  // bytes of these
     std::vector<ListedRun> run_list;                                 // the runs that count, ascending by first sample
     std::vector<ColumnCost> columns;
     bool columns_estimated = false;  // from some of the pages: there are too many, or some are damaged

@@ -21,7 +21,7 @@ struct RecoverReport {
     sampledb::Coverage kept;
     sampledb::Coverage lost;  // as far as headers and footer still tell
     std::vector<sampledb::Damage> damage;
-    std::uint64_t unfinished_tail = 0;  // of an attempt, a write that was cut short: no loss of anything committed
+    std::uint64_t unfinished_tail = 0;  // what an interrupted write left: no loss of anything committed
     bool lost_anything() const { return std::ranges::any_of(damage, &sampledb::Damage::loss); }
 };
 

@@ -38,7 +38,7 @@ class OrderCheck {
     std::uint64_t last_sample_ = 0;
     bool in_order_ = true;  // Z prefixes of this class: without that the cut has no meaning
     std::vector<std::uint32_t>
-        z_;  // of the pages whose cut is not checked, behind `lead_` record (0 or 1) that ends the one before
+        z_;  // positions in pages whose cut is not checked, behind `lead_` record (0 or 1) that ends the one before
     std::size_t lead_ = 0;
     std::deque<Cut> cuts_;
 };

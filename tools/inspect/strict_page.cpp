@@ -228,7 +228,7 @@ class PageCheck {
     std::size_t bright_ = kUnknown;
     PlaneDecoder planes_;
     ColumnDecoder decoder_;
-    ColumnDecoder::PackedPlanes packed_;  // of a column in packed fields
+    ColumnDecoder::PackedPlanes packed_;  // those of a column in packed fields
     Bytes scratch_;
     std::vector<std::uint64_t> numbers_;
 };

@@ -39,7 +39,7 @@ class ShareCheck {
 
     static constexpr std::uint64_t kNoRank = ~std::uint64_t{0};
     const std::span<const sampledb::SampleRange> ranges_;
-    std::vector<std::uint64_t> ranks_;  // of the first samples of ranges_
+    std::vector<std::uint64_t> ranks_;  // ranks of the first samples of ranges_
     std::uint64_t samples_ = 0;
     const std::size_t run_;
     Violations& violations_;

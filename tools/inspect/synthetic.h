@@ -21,7 +21,7 @@ struct Aspect {
 
 struct SyntheticScene {
     sampledb::RecordKind kind = sampledb::RecordKind::kXyz;
-    Aspect aspect;                  // of the film
+    Aspect aspect;                  // the film's
     std::uint16_t batch = 28;       // spectral: wavelengths of a sample
     double light_records = 0;       // per camera record, on average; a sample has one light path if this is not 0
     double single_wavelengths = 0;  // spectral: fraction of camera records that keep one wavelength

@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kWriteBytes = std::size_t{4} << 20;
 constexpr std::size_t kPagesPerThread = 4;                        // that are encoded at once
 constexpr std::uint64_t kComfortable = std::uint64_t{192} << 20;  // bytes of decoded pages: more of them make nothing faster
-constexpr std::uint64_t kRowBytes = 16;                           // of a decoded record: its Z prefixes and its place in the order
+constexpr std::uint64_t kRowBytes = 16;                           // a decoded record's Z prefixes and its place in the order
 
 // Pages that are in memory at once.
 struct Budget {
@@ -215,7 +215,7 @@ class ClassMerger {
     Scratch<RowRef> order_memory_;
     Scratch<std::uint32_t> z_memory_;
     std::span<RowRef> order_;     // rows of table_, ascending
-    std::span<std::uint32_t> z_;  // of order_, behind that of the last record to be encoded
+    std::span<std::uint32_t> z_;  // prefixes of order_, behind that of the last record to be encoded
 };
 
 }  // namespace

@@ -34,7 +34,7 @@ class PageTable {
     const sampledb::Job& job_;
     sampledb::RecordClass record_class_ = sampledb::RecordClass::kCamera;
     std::vector<Pointers> columns_;                 // the extra ones behind the others
-    std::vector<const std::uint32_t*> first_pair_;  // of each page
+    std::vector<const std::uint32_t*> first_pair_;  // each page's
     std::vector<bool> unit_share_;
 };
 

@@ -85,7 +85,7 @@ void merge_slices(std::span<const Slice> slices, std::span<std::uint32_t> z, std
     if (order.empty()) return;
     const std::vector<std::uint32_t> begins = part_begins(slices, order.size());
     const std::size_t parts = begins.size();
-    std::vector<std::size_t> bounds((parts + 1) * slices.size());  // of each part, the first row of each slice
+    std::vector<std::size_t> bounds((parts + 1) * slices.size());  // for each part, the first row of each slice
     tbb::parallel_for(std::size_t{0}, slices.size(), [&](std::size_t s) {
         const auto first = slices[s].rows->z.begin();
         auto from = first + static_cast<std::ptrdiff_t>(slices[s].begin);

@@ -39,7 +39,7 @@ struct MergeReport {
     std::uint64_t files = 0;  // that runs were taken from
     std::uint64_t runs_in = 0, runs_out = 0;
     std::uint64_t camera_records = 0, light_records = 0;
-    std::uint64_t bytes = 0;  // of the output
+    std::uint64_t bytes = 0;  // the output's
     sampledb::RunSetReport run_set;
 };
 

@@ -18,7 +18,7 @@ using namespace sampledb;
 namespace {
 
 constexpr std::size_t kOpenInputs = 16;                      // inputs that are kept open while runs are copied
-constexpr std::uint64_t kPagesListed = 1 << 17;              // of the runs of a stretch
+constexpr std::uint64_t kPagesListed = 1 << 17;              // in the runs of a stretch
 constexpr std::uint64_t kStretch = std::uint64_t{64} << 20;  // the disk begins to write after each
 
 DamagedRun damaged_run(const std::filesystem::path& file, const SelectedRun& run, const Error& why) {
@@ -213,7 +213,7 @@ class Output::Appending {
     std::vector<DamagedRun> damaged_;
     RecentCache<ByteSource> inputs_{kOpenInputs};
     std::uint64_t handed_over_ = 0;                   // byte up to which the disk was asked to write
-    std::uint64_t bytes_done_ = 0, bytes_ahead_ = 0;  // of the inputs
+    std::uint64_t bytes_done_ = 0, bytes_ahead_ = 0;  // bytes of the inputs
 };
 
 Status Output::begin(const Job& job) {

@@ -52,7 +52,7 @@ class Engine {
     // change. While a part is being replaced, or cannot be read, all stays as it was: samples never become fewer.
     bool look_again();
     std::vector<develop::LightGroup> light_groups() const { return opened().light_groups; }  // none: the files keep none apart
-    std::optional<double> f_number() const;  // of the lens, if its aperture can be chosen
+    std::optional<double> f_number() const;  // the lens's, if its aperture can be chosen
     bool knows_shutter() const;              // whether the shutter can be chosen
     bool knows_depth() const;                // whether there is a `distance`
     // Along the camera's axis, of what a pixel shows, as --focus X,Y takes it; infinite for the sky. Errors: kUsage.
@@ -85,7 +85,7 @@ class Engine {
         std::shared_ptr<const sampledb::RunSet> runs;
         std::vector<develop::LightGroup> light_groups{};
         std::string files{};           // as they were when they were last looked at: names, sizes, times
-        std::uint64_t generation = 0;  // of the pictures of these runs
+        std::uint64_t generation = 0;  // counts the pictures made of these runs
     };
 
     Engine(EngineOptions options, std::unique_ptr<sampledb::RunSet> runs, std::string files);
@@ -106,7 +106,7 @@ class Engine {
     void use(std::unique_ptr<sampledb::RunSet> runs);
 
     const EngineOptions options_;
-    mutable std::mutex mutex_;  // of opened_
+    mutable std::mutex mutex_;  // guards opened_
     Opened opened_;
     std::mutex looking_;   // one at a time looks again
     std::mutex printing_;  // or prints

@@ -12,7 +12,7 @@ namespace latent::darkroom {
 
 struct LightMix {
     Recipe of_layers;             // with lights of other colours, but as bright as they were; without what a sum cannot show
-    std::vector<double> factors;  // of each group
+    std::vector<double> factors;  // one for each group
 };
 
 // Errors: kUsage, of what the recipe says about lights.

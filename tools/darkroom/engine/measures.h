@@ -18,7 +18,7 @@ struct Histogram {
 struct Probe {
     std::string observer;  // whose values they are; X, Y, Z of cie1931
     std::array<double, 3> values{}, standard_errors{};
-    std::array<int, 3> codes{};  // of the print
+    std::array<int, 3> codes{};  // in the print
     double samples = 0;          // that reach it
 };
 

@@ -21,7 +21,7 @@ enum class PrintState : std::uint8_t { kWaiting, kRunning, kDone, kFailed, kCanc
 
 struct PrintJob {
     std::uint64_t id = 0;
-    std::string name;  // of the output
+    std::string name;  // the output's
     PrintState state = PrintState::kWaiting;
     std::string message;           // the last line that latent-print wrote
     std::optional<double> done{};  // 0..1, of what the message says

@@ -38,7 +38,7 @@ constexpr std::size_t kThreads = 64;         // connections at a time
 constexpr time_t kPatience = 2;              // seconds that one may say nothing
 constexpr std::size_t kLongestBody = 65536;  // a recipe, and what goes with it
 constexpr int kLargestTile = 2048;           // pixels a side
-constexpr std::uint64_t kMostBins = 470;     // of a spectrum, from 360 to 830 nm
+constexpr std::uint64_t kMostBins = 470;     // a spectrum's, from 360 to 830 nm
 
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
@@ -379,7 +379,7 @@ class HttpServer final : public Server {
     }
 
     struct Place {
-        int x = 0, y = 0;  // of a pixel
+        int x = 0, y = 0;  // the pixel
     };
     static Result<Place> place(const Request& request, const develop::Size& size) {
         const Result<std::uint64_t> x = number(request, "x", size.width - 1), y = number(request, "y", size.height - 1);

@@ -14,7 +14,7 @@ namespace latent::darkroom {
 
 struct ServerOptions {
     std::vector<std::filesystem::path> inputs;
-    std::filesystem::path folder = ".";  // of recipes and prints
+    std::filesystem::path folder = ".";  // where recipes and prints are
     int port = 0;                        // 0: any that is free
     std::vector<std::string> print;      // latent-print, and what goes before --recipe
 };

@@ -85,7 +85,7 @@ class Channels {
     float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;
     std::vector<GroupLight> lights_{1};  // by number of their group; the last one is that of all further groups
-    std::optional<BatchWhite> white_;    // of the ratio estimator
+    std::optional<BatchWhite> white_;    // for the ratio estimator
     AovColumns aovs_;
     std::optional<LensWeights> lens_;
     std::optional<std::size_t> group_column_;  // among the extra ones; none: all light is alike

@@ -14,7 +14,7 @@ namespace latent::develop {
 
 struct Layers {
     bool noisy = false;     // the picture before noise is removed
-    bool variance = false;  // of the camera image: the square of its standard error
+    bool variance = false;  // the square of the camera image's standard error
     bool weight = false;    // sum w c
     bool count = false;     // samples that reach the pixel
     bool halves = false;    // the same picture of either half of the samples

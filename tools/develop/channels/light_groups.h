@@ -13,7 +13,7 @@
 
 namespace latent::develop {
 
-inline constexpr const char* kLightGroupColumn = "light_group";  // of the records: the number of their group
+inline constexpr const char* kLightGroupColumn = "light_group";  // holds the number of a record's group
 
 struct LightGroup {
     std::string name;

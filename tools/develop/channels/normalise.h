@@ -14,9 +14,9 @@ struct SumRow {
     const double* camera;
     const double* light;
     const RowLayout& layout;
-    std::span<const double> min_weight;  // of each pixel
+    std::span<const double> min_weight;  // each pixel's
     std::span<const double> light_scale;
-    std::array<double, 2> half_scale{};  // of the light image of either half, beside light_scale
+    std::array<double, 2> half_scale{};  // further factors of either half's light image, beside light_scale
 };
 
 // Writes layout.outputs() floats per pixel: first camera sums / sum w c, plus light sums times their scale. Where sum w c is below

@@ -14,12 +14,12 @@
 namespace latent::develop {
 
 struct ObserverOptions {
-    std::string name;           // of the catalogue, or a CSV file; "": cie1931
-    bool camera_xyz = false;    // a camera's r, g, b taken to X, Y, Z; else as they are
-    bool balanced = true;       // a camera's r, g, b with D65 as (1, 1, 1); else all with the scale of green
-    std::string lens_filter;    // "": none
-    double filter_factor = 1;   // exposure is multiplied by it; 0: by what the filter takes of D65
-    std::string film;           // of color/film/material.h, instead of `name`: the picture holds exposures of its layers; "": none
+    std::string name;          // a name in the catalogue, or a CSV file; "": cie1931
+    bool camera_xyz = false;   // a camera's r, g, b taken to X, Y, Z; else as they are
+    bool balanced = true;      // a camera's r, g, b with D65 as (1, 1, 1); else all with the scale of green
+    std::string lens_filter;   // "": none
+    double filter_factor = 1;  // exposure is multiplied by it; 0: by what the filter takes of D65
+    std::string film;  // a name in color/film/material.h, instead of `name`: the picture holds exposures of its layers; "": none
     double exposure_index = 0;  // the film is exposed for; 0: that of its box
     double push = 0;            // stops that the film will be developed for longer
 };
@@ -32,10 +32,11 @@ struct LoadedFilm {
 
 struct ChosenObserver {
     color::Observer observer;
-    std::optional<color::Primaries> primaries = color::kXyzPrimaries;  // of the pictures' R, G, B; none if they are unbalanced
-    std::optional<color::CameraFit> fit{};                             // of a camera
-    double filter_factor = 1;                                          // that was used
-    std::optional<LoadedFilm> film{};                                  // whose layers are exposed
+    std::optional<color::Primaries> primaries =
+        color::kXyzPrimaries;               // what the pictures' R, G, B are; none if they are unbalanced
+    std::optional<color::CameraFit> fit{};  // for cameras
+    double filter_factor = 1;               // that was used
+    std::optional<LoadedFilm> film{};       // whose layers are exposed
 };
 
 // Errors: kUsage, if options do not go together; of color/catalogue.h and of the file.

@@ -15,15 +15,15 @@ namespace latent::develop {
 
 namespace {
 
-constexpr std::int64_t kRadius = 5;          // of neighbours
-constexpr std::int64_t kPatch = 1;           // of what is compared around a pixel and its neighbour
-constexpr std::int64_t kVarianceRadius = 2;  // of what a variance is measured in
+constexpr std::int64_t kRadius = 5;          // how far neighbours are
+constexpr std::int64_t kPatch = 1;           // what is compared around a pixel and its neighbour
+constexpr std::int64_t kVarianceRadius = 2;  // what a variance is measured in
 static_assert(kDenoiseReach == kRadius + kPatch + kVarianceRadius);
 
 constexpr std::int64_t kStrip = 32;  // rows that are denoised at once: what they take stays in the nearest caches
 
 constexpr float kNormal = 0.2f, kDepth = 0.04f, kAlbedo = 0.1f;  // differences of surfaces: of depth, relative and per pixel
-constexpr float kSquares = 6;                                    // of these, where weights end
+constexpr float kSquares = 6;                                    // this many of these: where weights end
 
 // Variance over squared value, at most, when pixels are compared. The light of one sample, or of few, cannot show how much it
 // varies: such a pixel would be like all others. Their light would go over to the dark.
@@ -110,7 +110,7 @@ Plane variance_of(const Plane& half0, const Plane& half1, const PixelRect& wante
 struct Channel {
     Plane value, variance;
     Plane bounded;            // the variance, for comparing
-    Plane sum, variance_sum;  // of neighbours, with their weights and the squares of these
+    Plane sum, variance_sum;  // over neighbours, with their weights and the squares of these
 };
 
 class Denoiser {
@@ -174,7 +174,7 @@ class Denoiser {
     PixelRect held_, wanted_;
     bool with_variance_;
     std::vector<Channel> channels_;
-    std::vector<ComparedLight> light_;  // of a row, in each channel
+    std::vector<ComparedLight> light_;  // a row's, in each channel
     std::vector<Surfaces> surfaces_;
     std::optional<Plane> depth_;
     std::optional<Plane> known_;  // 1 where a pixel has camera records, else 0

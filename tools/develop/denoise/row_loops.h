@@ -23,11 +23,11 @@ void compare_light(std::size_t n, std::span<const ComparedLight> channels, float
 
 struct ComparedVectors {
     std::array<Pair, 3> of{};
-    float scale = 0;  // of squared distances: weights fall to 0 at 1
+    float scale = 0;  // factor of squared distances: weights fall to 0 at 1
 };
 struct ComparedPixels {
     const float* light = nullptr;    // compared, added up over a patch
-    const float* columns = nullptr;  // of the patch
+    const float* columns = nullptr;  // the patch's
     float rows = 0;
     std::span<const ComparedVectors> vectors{};
     Pair depth{};  // null: not known

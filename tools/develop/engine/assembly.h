@@ -34,7 +34,7 @@ class TileSink {
 
 // What turns sums into values.
 struct Normalisation {
-    RowLayout layout;                  // of the sums of a pixel of each image, and of its values
+    RowLayout layout;                  // how a pixel's sums in each image are laid out, and its values
     bool camera, light;                // which images are added up
     double camera_density;             // samples per pixel of the film
     double light_scale;                // pixels of the full film / N
@@ -114,7 +114,7 @@ class Assembly {
     std::size_t slot_sums_;  // doubles of one image in a slot of sums_
     SlotFile sums_, finished_;
     TileSink& sink_;
-    std::vector<std::vector<float>> buffers_;  // of tiles
+    std::vector<std::vector<float>> buffers_;  // one for each tile in work
     PixelCounts counts_;
 };
 

@@ -16,7 +16,7 @@
 namespace latent::develop {
 
 struct Settings {
-    std::uint32_t width = 0, height = 0;  // of the full film
+    std::uint32_t width = 0, height = 0;  // the whole film's
     PixelRect crop;                       // the part of it that is wanted
     Filter filter = Filter::standard();
     bool camera = true, light = true;               // which images are added up
@@ -33,7 +33,7 @@ struct DevelopCounts {
     std::uint64_t regions = 0, batches = 0, panes = 0;
     std::uint64_t pages = 0, pages_decoded = 0;  // pages that the crop needs; decoded, repeats included
     std::uint64_t page_bytes = 0, page_bytes_decoded = 0;
-    std::uint64_t segments = 0;  // of records of one page in one cell
+    std::uint64_t segments = 0;  // records of one page in one cell
     std::uint64_t camera_not_finite = 0, light_not_finite = 0;
     std::uint64_t fallback_pixels = 0, empty_pixels = 0;
     DimmedLight camera_dimmed, light_dimmed;  // fireflies

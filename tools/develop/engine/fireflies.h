@@ -29,11 +29,11 @@ class Fireflies {
     // A sample is trusted up to kMargin times the brightness that kTrusted samples of its own and the 8 blocks around have.
     static constexpr int kTrusted = 4;
     static constexpr float kMargin = 2;
-    static constexpr double kMinSamples = 64;  // of a block
+    static constexpr double kMinSamples = 64;  // in a block
 
     Fireflies(const FilmGrid& grid, int reach, const RowLayout& layout, Classes classes, double samples_per_pixel);
 
-    std::uint64_t bytes() const;  // of one cell
+    std::uint64_t bytes() const;  // for one cell
     void begin(const PixelRect& cells, std::span<std::byte> memory);
     void look_at(std::span<const RecordBatch* const> batches, const PageRange& range);
     void decide();  // after all records were looked at
@@ -60,7 +60,7 @@ class Fireflies {
  private:
     static constexpr std::uint32_t kRowsAtOnce = 1024;
     struct Block {
-        float brightest[kTrusted];  // of its samples, in descending order
+        float brightest[kTrusted];  // its brightest samples, in descending order
         float limit;
     };
 

@@ -43,7 +43,7 @@ class Pane {
     EntryCounts entries_;
     Classes classes_;
     std::optional<Fireflies> fireflies_;
-    std::vector<DimmedLight> dimmed_;  // of each cell, camera and light
+    std::vector<DimmedLight> dimmed_;  // each cell's, camera and light
     std::uint64_t window_bytes_;
     std::span<std::byte> memory_;
     Windows windows_;

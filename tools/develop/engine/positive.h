@@ -45,8 +45,8 @@ class PositiveWindows final : public PositiveSums {
     PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const EntryCounts& entries, const Fireflies* fireflies,
                     const PixelRect& cells);
 
-    static std::uint64_t bytes(const FilmGrid& grid, int stride);                                 // of one window
-    static std::uint64_t border_bytes(const FilmGrid& grid, int stride, const PixelRect& cells);  // of those at a pane's border
+    static std::uint64_t bytes(const FilmGrid& grid, int stride);                                 // for one window
+    static std::uint64_t border_bytes(const FilmGrid& grid, int stride, const PixelRect& cells);  // for those at a pane's border
     void open_border(std::span<std::byte> memory);
     // Bytes that windows of `cells` (numbers in the pane, ascending) need beside those that are open.
     std::uint64_t bytes_beside(std::span<const std::size_t> cells) const;

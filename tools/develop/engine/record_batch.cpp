@@ -18,12 +18,12 @@ namespace latent::develop {
 namespace {
 
 constexpr int kSortedLevels = 16;               // within smaller cells than these, the records of a page are in any order
-constexpr std::uint64_t kAlignment = 64;        // of arrays
+constexpr std::uint64_t kAlignment = 64;        // bytes, of each array
 constexpr std::size_t kAtOnce = 512;            // rows whose values stay in the nearest cache
 constexpr std::size_t kPagesPerThread = 4;      // in work at once
 constexpr std::uint64_t kReadAhead = 8 << 20;   // bytes of pages that are on their way from disk
 constexpr std::uint64_t kReadAtOnce = 1 << 20;  // neighbours are announced together
-constexpr std::uint64_t kPageBytes = 96;        // of a page's reference and of what is kept of it while a batch is loaded
+constexpr std::uint64_t kPageBytes = 96;        // a page's reference, and what is kept of it while a batch is loaded
 
 // Takes an array off the front of memory.
 template <class T>
@@ -56,7 +56,7 @@ std::span<const Segment> RecordBatch::segments(std::int64_t cell_x, std::int64_t
 void segments_in_order(std::span<const RecordBatch* const> batches, const PageRange& range, std::int64_t cell_x,
                        std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<std::span<const Segment>>& found) {
     found.clear();
-    thread_local std::vector<std::span<const Segment>> rest;  // of each batch
+    thread_local std::vector<std::span<const Segment>> rest;  // what is left of each batch
     rest.clear();
     for (const RecordBatch* batch : batches) {
         const std::span<const Segment> all = batch->segments(cell_x, cell_y, record_class);

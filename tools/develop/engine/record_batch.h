@@ -31,7 +31,7 @@ struct PageRef {
 // Records that lie in `cells`. They and the arrays lie in memory that the loader was lent.
 struct RecordBatch {
     PixelRect cells;
-    std::span<const std::uint32_t> begin;  // of each cell's segments, camera and light; one more at the end
+    std::span<const std::uint32_t> begin;  // where each cell's segments begin, camera and light; one more at the end
     std::span<const Segment> all_segments;
 
     // Those of one cell, ascending by page.
@@ -96,11 +96,11 @@ class Loader {
     // Where the rows of a page go whose records a lens has moved.
     struct MovedRows {
         PixelRect wanted;                  // cells, numbered row by row
-        std::vector<std::uint32_t> cell;   // of each row; that behind the last for rows elsewhere
-        std::vector<std::uint32_t> count;  // of each cell's rows
-        std::vector<CellSpace> spaces;     // of each cell, and for rows elsewhere
+        std::vector<std::uint32_t> cell;   // each row's; that behind the last for rows elsewhere
+        std::vector<std::uint32_t> count;  // rows in each cell
+        std::vector<CellSpace> spaces;     // one for each cell, and one for rows elsewhere
         std::vector<std::byte> left_out;   // room for these
-        std::vector<float> values;         // of some rows
+        std::vector<float> values;         // those of a few rows
         std::uint32_t kept_of(std::int64_t x, std::int64_t y) const {
             return spaces[static_cast<std::size_t>((y - wanted.y0) * wanted.width() + x - wanted.x0)].kept;
         }

@@ -54,12 +54,12 @@ class Plan {
     std::uint64_t min_batch() const { return min_batch_; }  // bytes
     std::uint64_t min_room() const { return min_batch_ + cell_bytes_.window + cell_bytes_.positive; }
     std::uint64_t pages() const { return pages_; }
-    std::uint64_t stored_bytes() const { return stored_bytes_; }  // of the pages, on disk
+    std::uint64_t stored_bytes() const { return stored_bytes_; }  // the pages on disk
     double segments() const { return segments_; }                 // that they will make, about
 
  private:
     Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs);
-    std::uint64_t window_bytes(const PixelRect& cells) const;  // of a region that streams
+    std::uint64_t window_bytes(const PixelRect& cells) const;  // for a region that streams
     std::uint64_t inside(const sampledb::FilmNode& node) const;
     // Bytes of records in the pages of a node's ancestors that are not in memory, and those that are decoded for it.
     struct Missed {

@@ -8,7 +8,7 @@ namespace latent::develop {
 
 namespace {
 
-constexpr int kPieces = 64;  // of each side of a pixel square; on each piece three Gauss-Legendre nodes
+constexpr int kPieces = 64;  // per side of a pixel square; on each piece three Gauss-Legendre nodes
 constexpr int kNodes = 3 * kPieces;
 
 struct Node {

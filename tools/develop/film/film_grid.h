@@ -78,8 +78,8 @@ class FilmGrid {
  private:
     struct Axis {
         std::uint32_t pixels;
-        std::vector<std::int64_t> begin, end;  // of each cell's window
-        std::vector<std::uint32_t> origin;     // of each cell, in units of 2^-24 pixels, mod 2^32
+        std::vector<std::int64_t> begin, end;  // each cell's window
+        std::vector<std::uint32_t> origin;     // each cell's, in units of 2^-24 pixels, mod 2^32
         std::int64_t extent;
 
         Axis(std::uint32_t pixels, int level, int reach);

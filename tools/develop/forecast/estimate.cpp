@@ -42,7 +42,7 @@ Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial, double known_of_most) {
     constexpr double kMaxGrowth = 64;
-    constexpr double kUncertain = 0.05, kDoubtful = 0.3;  // of what is known, and of what was measured
+    constexpr double kUncertain = 0.05, kDoubtful = 0.3;  // how far off what is known may be, and what was measured
     constexpr std::size_t kRepeats = 2, kLastRepeats = 4;
     LinearCost cost;
     Tried first, last;
@@ -106,7 +106,7 @@ double seconds_with(const Cost& cost, int threads, double share) {
 }
 
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial) {
-    constexpr double kTrials = 0.25;  // of the time
+    constexpr double kTrials = 0.25;  // share of the time
     constexpr double kCaution = 0.8;  // runs differ, and so does a disk from one minute to the next
     if (runs <= 1) return runs;
     const Result<LinearCost> cost = measure(kTrials * seconds, 1, static_cast<double>(runs), kTrials * seconds, trial);

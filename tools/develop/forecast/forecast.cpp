@@ -137,7 +137,7 @@ PixelRect piece_of(const TrialPicture& picture, double pixels) {
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, double segments, const PictureTrial& trial) {
     constexpr double kSeconds = 1.2, kDecodeSeconds = 0.3, kEnough = 0.3;
-    constexpr double kDecodeEnough = 0.06;  // of what a piece decodes at least
+    constexpr double kDecodeEnough = 0.06;  // share of what a piece decodes at least
     constexpr double kFewPixels = 1 << 15;
     constexpr double kSegmentSeconds = 0.09e-6;  // for what lies anywhere in memory; measured
     TrialOutcome last;

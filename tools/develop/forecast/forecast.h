@@ -14,9 +14,9 @@
 namespace latent::develop {
 
 struct Forecast {
-    std::string output;                   // of the first
-    std::uint32_t pictures = 1;           // of an exposure that is cut into frames; the seconds and file_bytes are those of all
-    std::uint32_t width = 0, height = 0;  // of the whole film
+    std::string output;          // the first one's
+    std::uint32_t pictures = 1;  // more than one if an exposure is cut into frames; the seconds and file_bytes are those of all
+    std::uint32_t width = 0, height = 0;  // the whole film's
     PixelRect crop;
     std::optional<double> seconds, cpu_seconds;         // none: the picture does not fit, so nobody waits for it
     std::uint64_t file_bytes = 0, temporary_bytes = 0;  // at most, without compression; about
@@ -40,7 +40,7 @@ struct TrialPicture {
     std::uint32_t width = 0, height = 0;
     PixelRect crop;
     std::size_t runs = 0;
-    int reach = 0;  // of the filter, in pixels
+    int reach = 0;  // the filter's, in pixels
 };
 struct TrialOutcome {
     Cost cost;

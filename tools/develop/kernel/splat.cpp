@@ -110,7 +110,7 @@ constexpr std::size_t kBlock = 64;
 struct Block {
     std::size_t count = 0;
     HWY_ALIGN float gx[kBlock + kReadable], gy[kBlock + kReadable];
-    HWY_ALIGN std::uint32_t pixel[kBlock + kReadable];  // of the window
+    HWY_ALIGN std::uint32_t pixel[kBlock + kReadable];  // pixels of the window
     const float* values[kBlock];
 };
 
@@ -162,7 +162,7 @@ class BlockReader {
     std::span<const Segment> segments_;
     std::uint32_t row_pixels_;
     int stride_;
-    std::uint32_t done_ = 0;  // of the first segment
+    std::uint32_t done_ = 0;  // rows of the first segment
 };
 
 // Both steps of the weights of later records are taken while the sums of a record are under way: additions wait for memory, weights

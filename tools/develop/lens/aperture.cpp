@@ -15,7 +15,7 @@ namespace latent::develop {
 
 namespace {
 
-constexpr std::size_t kPointsAcross = 8;  // of a cell on an edge
+constexpr std::size_t kPointsAcross = 8;  // where an edge crosses a cell
 
 class Opening {
  public:

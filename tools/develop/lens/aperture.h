@@ -13,7 +13,7 @@ namespace latent::develop {
 
 // On the unit disk of the lens that was rendered; x to the right and y upwards, as the camera sees them.
 struct Aperture {
-    double radius = 1;    // of the circle, on which the corners between blades lie; 0 < radius <= 1
+    double radius = 1;    // that of the circle through the corners between blades; 0 < radius <= 1
     double f_number = 0;  // or, until it is known which was rendered: recorded_lens.h
     image::Blades blades{};
     double squeeze = 1;     // the width is divided by this, at least 1

@@ -21,7 +21,7 @@ struct LensRows {
 
 // The rear rim of a lens, a unit circle, as records at one place of the film and then another see it. In radii of the lens.
 struct RearRim {
-    float first_x = 0, first_y = 0;  // of the middle of the lens's first cell, from that of the rim, at (0, 0) of the film
+    float first_x = 0, first_y = 0;  // middle of the lens's first cell, from that of the rim, at (0, 0) of the film
     float along_u = 0, along_v = 0;  // by how much the rim moves across the film
 };
 
@@ -45,11 +45,11 @@ struct Patch {
 
 // What a lens and a shutter let pass, and how much on average.
 struct LensTables {
-    const float* cells = nullptr;  // of the lens: transmission; null: 1
+    const float* cells = nullptr;  // transmission of the lens's cells; null: 1
     std::optional<RearRim> rim{};
     ShutterSteps shutter{};          // none: 1
     const Patch* patches = nullptr;  // the mean over the lens, where it differs over the film; null: 1
-    float even_mean = 1;             // of all else
+    float even_mean = 1;             // mean of all else
 };
 // The weights of records, and what their light is multiplied by: the same, or that times or divided by the mean weight where they
 // lie on the film.

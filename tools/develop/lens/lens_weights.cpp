@@ -108,12 +108,12 @@ void LensWeights::set_means(const std::vector<double>& passing, const std::vecto
     constexpr std::size_t kSide = Patch::kAcross;
     const std::size_t across = rim_u_ != 0 ? kSide + 1 : 1;
     const auto place = [across](std::size_t k) { return across > 1 ? static_cast<double>(k) / kSide : 0.5; };
-    const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
+    const auto share = [across](std::size_t k) {  // share of the film, by the trapezoidal rule
         return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / kSide;
     };
-    std::vector<Moments> at_corners(across * across);  // of the patches
+    std::vector<Moments> at_corners(across * across);  // where patches meet
     for (std::size_t row = 0; row < kLensCells; ++row) {
-        std::array<Moments, kLensCells + 2> left{};  // of each border of cells; one more is read at the end
+        std::array<Moments, kLensCells + 2> left{};  // one for each border of cells; one more is read at the end
         for (std::size_t x = 0; x < kLensCells; ++x) {
             const std::size_t cell = row * kLensCells + x;
             left[x + 1] = {left[x].mean + passing[cell] / disk, left[x].square + squares[cell] / disk};

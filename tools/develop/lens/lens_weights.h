@@ -27,7 +27,7 @@ struct LensChoice {
     bool exposure_follows = false;  // less light makes a darker picture; else it is as bright as that of the whole lens
     std::string aperture_text{}, shutter_text{};  // as they were given
 
-    std::array<double, 2> film_shift{};  // of a lens that is focused elsewhere: recorded_lens.h
+    std::array<double, 2> film_shift{};  // what focusing elsewhere moves: recorded_lens.h
 
     bool is_refocused() const { return film_shift != std::array<double, 2>{}; }
     bool is_whole() const { return aperture.is_whole() && shutter.is_whole() && !is_refocused(); }
@@ -45,7 +45,7 @@ class LensSums {
 
  private:
     static constexpr std::size_t kStride = kLensCells + 2;  // one more border, which a place at the end reads
-    std::vector<double> above_{};                           // of each corner of cells: above it, and to its left
+    std::vector<double> above_{};                           // for each corner of cells, the sum above it and to its left
 };
 
 // A record's weight is the transmission of the aperture in its cell of the lens, times that of the shutter in its 1/256 of the
@@ -80,7 +80,7 @@ class LensWeights {
     // their new cells, as move_positions gives them.
     void move(sampledb::Page& page, int level, const PixelRect& wanted, std::span<std::uint32_t> cells) const;
 
-    double mean() const { return mean_; }  // of the weights of camera records
+    double mean() const { return mean_; }  // the mean weight of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
     double kept() const { return kept_; }
 
@@ -102,11 +102,11 @@ class LensWeights {
     std::vector<float> cells_{};                                // transmission; none: 1
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
     std::vector<Patch> patches_{};                              // the mean over the lens, row by row; none: the same everywhere
-    float even_mean_ = 1;                                       // of what is the same everywhere
+    float even_mean_ = 1;                                       // mean of what is the same everywhere
 
     LensSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 
-    std::array<double, 2> film_shift_{};  // of u and v, per radius of the lens
+    std::array<double, 2> film_shift_{};  // along u and v, per radius of the lens
 
     std::optional<std::size_t> time_column_{};
     // Transmission, by cells of time; of a rolling shutter in shorter steps, which begin at -1 cell: between them it is linear, so

@@ -106,7 +106,7 @@ void NoiseMap::add_row(std::span<const float> pixels, std::span<Sums> areas) {
         areas[x / kSide].y_square += error * error;
     }
     if (!print_) return;
-    constexpr double kPerCode = 257;  // of 16 bits, in one of 8
+    constexpr double kPerCode = 257;  // codes of 16 bits in one of 8
     const color::Quantiser quantiser{color::Transfer::srgb(), color::Dither::kNone};
     std::array<std::vector<std::uint16_t>, 2> codes;
     for (std::size_t half = 0; half < 2; ++half) {
@@ -192,7 +192,7 @@ Result<Noise> measure_noise(const PictureOptions& asked, int halvings, bool prin
         if (samples == 0) continue;
         options.samples = first_of(all, samples);
         NoiseMap map(sigma);
-        const double share = std::ldexp(1, -i - 1);  // of all samples that are developed, like those before
+        const double share = std::ldexp(1, -i - 1);  // share of all samples that are developed, like those before
         const Progress part = [&](double done, const std::string& detail) { progress(share * (1 + done), detail); };
         Result<PictureReport> picture = develop_picture(options, map, progress ? part : Progress());
         if (!picture) return picture.error();

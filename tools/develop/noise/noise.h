@@ -48,9 +48,9 @@ class NoiseMap final : public PictureSink {
 
  private:
     struct Sums {
-        double y = 0, y_square = 0, code_square = 0;  // of Y, and of the squares of errors
+        double y = 0, y_square = 0, code_square = 0;  // sums of Y, and of squared errors
     };
-    void add_row(std::span<const float> pixels, std::span<Sums> areas);  // of a tile
+    void add_row(std::span<const float> pixels, std::span<Sums> areas);  // a tile's row
     std::size_t pixels_in(std::size_t area) const;
     Percentiles percentiles(const std::vector<float>& of) const;
 
@@ -58,7 +58,7 @@ class NoiseMap final : public PictureSink {
     std::optional<color::Print> print_;
     color::LuminanceHistogram luminances_;
     std::size_t width_ = 0, height_ = 0, columns_ = 0, rows_ = 0;
-    std::vector<float> relative_, codes_;  // of areas, row after row
+    std::vector<float> relative_, codes_;  // one for each area, row after row
 };
 
 // Noise with so many samples.
@@ -71,10 +71,10 @@ struct NoiseLevel {
 inline constexpr std::size_t kLevelsForExponent = 3;
 
 struct Noise {
-    PictureReport picture;  // of all samples
+    PictureReport picture;  // made from all samples
     std::vector<std::filesystem::path> files;
     NoiseMap map{std::nullopt};      // the same
-    std::vector<NoiseLevel> levels;  // of all samples, of the first half of them, of the first quarter, ...
+    std::vector<NoiseLevel> levels;  // for all samples, the first half of them, the first quarter, ...
     double exponent = 0.5;           // p: the median falls with samples^-p; 1/2 if there are fewer than kLevelsForExponent
 
     // Samples with which the median of the relative standard error is `target`. A measured exponent below 1/2 is that of rare

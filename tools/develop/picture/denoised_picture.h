@@ -74,7 +74,7 @@ class DenoisedPicture final : public PictureSink {
     Tiles noisy_{{}};
     DenoisedValues values_;
     std::optional<File> file_;
-    std::vector<Slot> slots_;  // of the noisy tiles
+    std::vector<Slot> slots_;  // those of noisy tiles
     std::vector<std::uint64_t> free_slots_;
     std::uint64_t slot_count_ = 0;
     std::vector<int> missing_;        // noisy tiles that each denoised one waits for

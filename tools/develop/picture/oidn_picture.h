@@ -29,7 +29,7 @@ class OidnPicture final : public PictureSink {
  private:
     struct Part {
         OutputFile file;
-        std::size_t first, header;  // of its three values among those of a pixel; bytes before its pixels
+        std::size_t first, header;  // place of its three values among those of a pixel; bytes before its pixels
     };
 
     const std::filesystem::path prefix_;

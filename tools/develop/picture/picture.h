@@ -41,7 +41,7 @@ struct PictureOptions {
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     bool ignore_space = false;  // begin even if the file is not expected to fit on the disk
     std::optional<sampledb::SampleRange> samples;
-    double fraction = 1;        // of these: a preview of some of the runs
+    double fraction = 1;        // share of these: a preview from some of the runs
     double budget_seconds = 0;  // or as many as can be developed in that time; 0: all
     std::optional<sampledb::JobId> job;
     std::uint64_t memory = std::uint64_t{1} << 30;
@@ -69,14 +69,14 @@ struct PictureReport {
     std::string filter, observer;
     std::vector<std::string> lights;  // as they were mixed
     bool dims_fireflies = false;
-    std::optional<LensCost> lens;  // of a part of the lens or of the exposure
+    std::optional<LensCost> lens;  // if only a part of the lens or of the exposure is used
     std::optional<color::CameraFit> camera_fit;
-    double filter_factor = 1;  // of a filter in front of the lens
+    double filter_factor = 1;  // the filter's in front of the lens
     sampledb::JobId job;
     sampledb::Coverage coverage, missing;  // samples in the picture; those that were asked for by number, but are in no file
     std::uint64_t available = 0;           // samples that could be in it; a preview leaves some out
     std::size_t files = 0, runs = 0;
-    std::uint64_t bytes_stored = 0;  // of the selected runs
+    std::uint64_t bytes_stored = 0;  // the selected runs' on disk
     std::uint64_t bytes_read = 0;
     std::uint64_t file_bytes = 0, memory_for_all = 0;  // as expected before: forecast.h
     double seconds = 0;
