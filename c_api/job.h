@@ -9,7 +9,7 @@
 
 namespace latent::c {
 
-inline constexpr std::size_t kJobSize = offsetof(latent_job, width);  // of latent_job in its first version
+inline constexpr std::size_t kJobSize = offsetof(latent_job, width);  // size of latent_job in its first version
 
 // Errors: kUsage, kOutOfRange, kUnsupported, naming the field.
 Result<sampledb::Job> job_from(const latent_job* job);

@@ -194,7 +194,7 @@ SampledSpectrum Coated<Base>::diffuse_walk(const Vec3f& a, const Vec3f& b, Rando
         SampledSpectrum sum(0.0f), term = r * (at_a * at_b * kInvPi / (layer.coat.eta * layer.coat.eta));
         if (!(at_a * at_b > 0)) return sum;
         const std::uint32_t n = base_scatterings(layer.max_depth);
-        float left = 1;  // of the light that first reached the base, over the probability to go on
+        float left = 1;  // share of the light that first reached the base, over the probability to go on
         for (std::uint32_t j = 0;;) {
             sum += term;
             if (++j == n) break;

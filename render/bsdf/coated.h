@@ -12,13 +12,13 @@ namespace latent::render {
 
 struct Layer {
     Coat coat;                                // a dispersive one: at the kept wavelength
-    const SampledSpectrum* eta = nullptr;     // of a dispersive one: in each wavelength
+    const SampledSpectrum* eta = nullptr;     // if it is dispersive: for each wavelength
     float thickness = 0;                      // in mean free paths
-    const SampledSpectrum* albedo = nullptr;  // of what is in the layer; null: it only absorbs
-    float g = 0;                              // of its phase function
+    const SampledSpectrum* albedo = nullptr;  // the albedo of what is in the layer; null: it only absorbs
+    float g = 0;                              // its phase function's
     std::uint32_t max_depth = 10;             // scatterings and reflections within the layer
     std::uint32_t walks = 1;                  // random walks that an evaluation is the mean of
-    std::uint64_t key = 0;                    // of their numbers: another one at each vertex of each sample
+    std::uint64_t key = 0;                    // key of their numbers: another one at each vertex of each sample
 };
 
 // Both sides look alike. Evaluation is exact where the coat is smooth, the layer does not scatter and the base is a diffuse one or
@@ -43,8 +43,8 @@ class Coated {
         Layer layer;
         Base base;
         bool smooth_coat, smooth_base;
-        float brightness;        // of what comes out of the layer: about its share of the light that enters
-        float cosine_share = 1;  // of directions from within the layer, those drawn by the cosine; else as the base reflects
+        float brightness;        // about the share of the light that enters which leaves the layer
+        float cosine_share = 1;  // share of directions from within the layer drawn by the cosine; else as the base reflects
         Microfacets lobe{1, 1};  // how the base reflects, seen through the coat
         float returned = 0;      // share of diffuse light from below that the smooth coat and the layer return to the base
     };

@@ -99,7 +99,7 @@ Hair::View::View(const State& state, const Vec3f& seen_from)
     h = std::clamp(h, -0.999999f, 0.999999f);
     const float eta = state.fibre.eta, cos_o = root(1 - square(h));
     const float sin_t = sin / eta, cos_t = root(1 - square(sin_t));
-    const float across_eta = root(square(eta) - square(sin)) / std::max(cos, 1e-6f);  // of the projection
+    const float across_eta = root(square(eta) - square(sin)) / std::max(cos, 1e-6f);  // that of the projection
     const float h_t = std::clamp(h / across_eta, -1.0f, 1.0f), cos_h = root(1 - square(h_t));
     gamma_o = arcsine(h, cos_o);
     gamma_t = arcsine(h_t, cos_h);

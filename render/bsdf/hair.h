@@ -12,7 +12,7 @@ struct Fibre {
     const SampledSpectrum* sigma_a;  // in its radii
     float eta = 1.55f;
     float beta_m = 0.3f, beta_n = 0.3f;  // roughness along it and around it, 0 to 1
-    float tilt_turns = 2.0f / 360;       // of its scales
+    float tilt_turns = 2.0f / 360;       // tilt of its scales
 };
 
 // Local x runs along the fibre. With h the place across the fibre, -1 to 1, that is seen from w_camera, S in 1/sr
@@ -45,16 +45,16 @@ class Hair {
         const std::array<float, kTerms>& lobes(const State& state, const Vec3f& wi);
 
         Vec3f w;
-        float sin, cos;                                // of theta, the angle out of the plane across the fibre
+        float sin, cos;                                // those of theta, the angle out of the plane across the fibre
         float phi;                                     // [turns] around it
         float gamma_o, gamma_t;                        // [turns] at which the fibre's circle is entered, outside and inside
         float reflectance, path;                       // at the surface; through the fibre, in its radii
-        std::array<float, kTerms> sin_term, cos_term;  // of theta turned by the scales, for each term
+        std::array<float, kTerms> sin_term, cos_term;  // those of theta turned by the scales, for each term
         SampledSpectrum transmittance;
-        std::array<float, kTerms> probability;  // of the terms: their shares, over all wavelengths
+        std::array<float, kTerms> probability;  // each term's share, over all wavelengths
 
      private:
-        std::optional<Vec3f> wi_{};  // of `lobes_`
+        std::optional<Vec3f> wi_{};  // that which lobes_ are for
         std::array<float, kTerms> lobes_{};
     };
 
@@ -66,9 +66,9 @@ class Hair {
         bool is_ribbon;
         float across;
         std::array<float, kTerms> variance;       // v_p, of M_p
-        float scale;                              // of the logistic distribution in N_p, in turns
+        float scale;                              // scale of the logistic distribution in N_p, in turns
         float all;                                // its part within half a turn to both sides
-        std::array<float, 3> sin_tilt, cos_tilt;  // of 2^k times the tilt
+        std::array<float, 3> sin_tilt, cos_tilt;  // those of 2^k times the tilt
         mutable std::optional<View> last{};       // asked for: a path draws, weighs and connects from one direction
     };
     explicit Hair(const Values<Hair>& v);

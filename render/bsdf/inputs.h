@@ -23,8 +23,8 @@ struct Input {
     float low = 0, high = 1;
     float otherwise = 0;           // a number or option that the material lacks; a spectrum is then black,
     bool may_be_missing = false;   // or null
-    bool is_index = false;         // of refraction: what passes is dispersed if it varies with wavelength
-    bool is_alpha = false;         // of GGX facets, along local x or y
+    bool is_index = false;         // an index of refraction: what passes is dispersed if it varies with wavelength
+    bool is_alpha = false;         // alpha of GGX facets, along local x or y
     bool is_directed = false;      // a number that, if it is not 0, needs to know where the coordinates of textures run
     std::string_view factor = {};  // the number, constant, that multiplies the spectrum
 
@@ -73,11 +73,11 @@ class MeasuredTables;
 
 // What closures need besides their inputs: the place, and tables of measurements.
 struct ClosureSite {
-    SampledSpectra& spectra;  // of the sample: room for values, too
+    SampledSpectra& spectra;  // the sample's: room for values, too
     std::uint32_t kept;       // the wavelength that a dispersed path keeps
     Vec3f p;
     bool ribbon;
-    float across;                              // of a ribbon: -1 to 1 along local y
+    float across;                              // place across a ribbon: -1 to 1 along local y
     bool mirrored = false;                     // dp/dv lies against local y; for materials that have a direction
     const MeasuredTables* measured = nullptr;  // for a material that was measured
 };

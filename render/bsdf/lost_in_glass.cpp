@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kNodes = 16;         // along each axis
 constexpr int kGlassFacets = 512;  // at each node
-constexpr float kMaxRoot = 0.6f;   // of the reflectance
+constexpr float kMaxRoot = 0.6f;   // the reflectance's
 using GlassAxis = RootAxis<kNodes>;
 using Shares = LostInGlass::Shares;
 
@@ -21,7 +21,7 @@ Shares between(const Shares& a, const Shares& b, float t) {
     return {a.reflected + (b.reflected - a.reflected) * t, a.refracted + (b.refracted - a.refracted) * t};
 }
 
-// Of each side, for one alpha and one index, with c = 1.
+// The losses at each side, for one alpha and one index, with c = 1.
 struct Losses {
     std::array<std::array<Shares, kNodes>, 2> at{};  // [side][mu]
     std::array<Shares, 2> mean{};

@@ -27,7 +27,7 @@ class MeasuredTables {
     // The facet that reflects between a view's direction w and another one.
     struct Facet {
         Vec2f place, drawn;  // in the square of directions, and in the one that its places are drawn from
-        float pdf_omega;     // of the other direction
+        float pdf_omega;     // the other direction's
     };
     bool facet(const View& view, const Vec3f& w, const Vec3f& other, Facet& out) const;  // false: there is none
     // Draws the other direction.

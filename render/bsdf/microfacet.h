@@ -17,7 +17,7 @@ struct Microfacets {
     // Rougher, facets have a density; smoother is a mirror [PBRT4 9.6.1].
     bool are_smooth() const { return std::max(alpha_x, alpha_y) < 1e-3f; }
 
-    // Of isotropic facets whose albedo is about that of these.
+    // Alpha of isotropic facets whose albedo is about that of these.
     float mean_alpha() const { return 0.5f * (alpha_x + alpha_y); }
 
     // D(m) = 1 / (pi ax ay cos^4 (1 + tan^2 (cos^2 phi / ax^2 + sin^2 phi / ay^2))^2), written without quotients of cosines

@@ -52,7 +52,7 @@ bool PhongTransmission::sample(const Vec3f& wo, float u_lobe, float u, float v, 
         if (wo.z > 0) out.wi.z = -out.wi.z;
         return out.wi.z * wo.z < 0;
     }
-    Vec3f middle = wo;  // of the lobe, behind
+    Vec3f middle = wo;  // middle of the lobe, behind
     if (wo.z > 0 && !refract(wo, kBefore, eta_, middle)) return false;
     const float c = exp_nonpositive(log_one_minus(u) / (exponent_ + 1));  // cos a = u^(1 / (n + 1))
     const Vec3f behind = Frame::from_z(middle).to_world(direction_at(c, v));

@@ -119,7 +119,7 @@ Row<GainParts> row<GainParts>(float alpha) {
 template <class Parts>
 struct Table {
     Row<Row<Parts>> at;  // [alpha][mu]
-    Row<Parts> mean;     // of each row, as it is interpolated
+    Row<Parts> mean;     // each row's mean, as it is interpolated
 
     Table() {
         for (int a = 0; a < kSize; ++a) {

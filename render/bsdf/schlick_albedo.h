@@ -18,7 +18,7 @@ class SchlickAlbedo {
  private:
     float f0_, f90_, mean_;
     float returned_ = 0;
-    int row_;  // of alphas, and how far it is to the next one
+    int row_;  // row of alphas, and how far it is to the next one
     float fraction_;
 };
 

@@ -14,7 +14,7 @@ namespace latent::render {
 // reflect, of each polarisation, and phi = 4 pi n d cos(angle in the film) / lambda:
 //   R = (r12^2 + r23^2 + 2 r12 r23 cos phi) / (1 + r12^2 r23^2 + 2 r12 r23 cos phi)  [BornWolf99 1.6.4], the mean of both
 struct ThinFilm {
-    float share = 0;  // of the surface that it covers
+    float share = 0;  // the share of the surface that it covers
     float eta = 1.3f;
     float thickness_nm = 0;
 

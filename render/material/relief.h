@@ -10,7 +10,7 @@ namespace latent::render {
 
 class Relief {
  public:
-    // Of a surface, and of its coat, which is smooth unless it has a normal map of its own. `textures` outlive it.
+    // The relief of a surface, and that of its coat, which is smooth unless it has a normal map of its own. `textures` outlive it.
     static Relief of_surface(const MaterialDescription& d, const Textures& textures) {
         return Relief(d, textures.source(d.displacement), d.normal_map, d.normal_scale, textures);
     }

@@ -27,7 +27,7 @@ class PixelSampler final : public Sampler {
     std::uint32_t at_start(std::uint32_t number, const Key& key) const;
 
     sampledb::PixelLattice lattice_;
-    std::uint64_t pixel_seed_;  // of what belongs to a pixel, not to a sample
+    std::uint64_t pixel_seed_;  // seed of what belongs to a pixel, not to a sample
 };
 
 }  // namespace latent::render

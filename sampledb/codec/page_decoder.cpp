@@ -209,7 +209,7 @@ class PageDecoder::Decoding {
     Page& page_;
     Page before_;  // for its memory
     bool derived_ = false;
-    std::span<std::uint64_t> numbers_;   // of its samples
+    std::span<std::uint64_t> numbers_;   // numbers of its samples
     std::optional<PixelPlaces> places_;  // that they stand for, if they are by pixels
 };
 

@@ -8,7 +8,7 @@
 
 namespace latent::sampledb {
 
-// Of samples by the numbers that the block of their page gives them.
+// Finds samples by the numbers that the block of their page gives them.
 class PixelPlaces {
  public:
     PixelPlaces(const PositionSamplerSpec& spec, const FilmNode& node, std::uint64_t first_pass);

@@ -21,7 +21,7 @@ inline std::uint32_t pascal(std::uint32_t x) {
 
 inline std::uint64_t pixel_key(const PositionSamplerSpec& spec) { return std::uint64_t{spec.shift_v} << 32 | spec.shift_u; }
 
-// Of a pixel: that of u in the low half, that of v in the high one.
+// A pixel's two shifts: that of u in the low half, that of v in the high one.
 inline std::uint64_t pixel_shifts(std::uint64_t key, std::uint32_t x, std::uint32_t y) {
     return mix(key + (std::uint64_t{y} << 32 | x) * 0x9E3779B97F4A7C15u);
 }

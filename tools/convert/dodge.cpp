@@ -48,7 +48,7 @@ bool Dodging::reaches(int y) const {
     return std::ranges::any_of(strokes_, [y](const Stroke& s) { return s.first < y && y < s.last; });
 }
 
-// Of the stops.
+// How much of the stops applies.
 double Dodging::share(const Stroke& stroke, double x, double y) {
     // How far along the line from a to b the nearest place is, from 0 to 1.
     const auto along = [&](const std::array<double, 2>& a, const std::array<double, 2>& b) {

@@ -100,7 +100,7 @@ class PrimitiveAttributes {
         if (!make_finite(out, components, finite, id)) return std::nullopt;
         return out;
     }
-    // Of integers that are not normalized; else 1.
+    // The divisor of integers that are not normalized; else 1.
     float largest(const std::string& name) const { return largest_integer(document_, named_[name]); }
     // Three of each triangle, if they are compressed, too.
     const std::vector<std::uint32_t>* packed_indices() const { return unpacked_ ? &unpacked_->indices : nullptr; }

@@ -84,7 +84,7 @@ class Rays {
             x_[i] = d.x, y_[i] = d.y, z_[i] = d.z;
         }
     }
-    // Of each ray, in no order.
+    // What each ray meets, in no order.
     std::array<std::vector<Met>, kCount>& met() { return met_; }
 
     void add(LoadedShape& loaded, const Affined& to_world) {

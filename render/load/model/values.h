@@ -34,7 +34,7 @@ class ModelValues {
     // The same of colours, at a `share` of the way.
     SpectrumInput between(const SpectrumInput& low, const SpectrumInput& high, double share);
     FloatInput product(const FloatInput& a, const FloatInput& b);
-    // Of a reflectance; above 1 it is 1.
+    // The product of a reflectance with a share; above 1 it is 1.
     SpectrumInput product(const SpectrumInput& color, const FloatInput& share);
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold);

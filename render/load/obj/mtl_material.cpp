@@ -16,7 +16,7 @@ constexpr double kSheenRoughness = 0.3, kF0OfKs = 0.08;
 
 double mean(const LinearRgb& rgb) { return (rgb[0] + rgb[1] + rgb[2]) / 3; }
 
-// Of facets, as Blender and assimp read Ns, and as Blender writes it.
+// The roughness of facets, as Blender and assimp read Ns, and as Blender writes it.
 double roughness_of(double ns) { return 1 - std::sqrt(std::min(ns, 1000.0) / 1000); }
 
 // The body's colour. Where it is black or missing, its picture is all there is.

@@ -15,7 +15,7 @@ namespace latent::render {
 bool is_utf16(std::string_view text);
 inline constexpr std::string_view kUtf16 = "is UTF-16; only UTF-8 is read (iconv -f UTF-16 -t UTF-8 OLD > NEW)";
 
-// Of a whole word; none if it is not one that float can hold.
+// The number that a whole word is; none if float cannot hold it.
 std::optional<double> finite_number(std::string_view word);
 
 // Goes through a text, which outlives it. Lines end as on any system. Comments and empty lines are passed over; a backslash joins a

@@ -24,7 +24,7 @@ struct Decisions {
 // Errors: kUsage, as the tools say it.
 Result<Decisions> decide(const Recipe& recipe);
 
-// Of a view: errors, kUsage, for what only a print can have.
+// Errors: kUsage, for what only a print can have, not a view.
 Status check_view(const Decisions& decisions);
 
 }  // namespace latent::darkroom

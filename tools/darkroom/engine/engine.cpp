@@ -23,7 +23,7 @@ using image::Rect;
 
 namespace {
 
-// Of --memory: pictures are kept while one is developed and another printed.
+// Shares of --memory: pictures are kept while one is developed and another printed.
 std::uint64_t memory_to_keep(const EngineOptions& options) { return options.memory / 8 * 3; }
 std::uint64_t memory_to_develop(const EngineOptions& options) { return options.memory / 8 * 3; }
 std::uint64_t memory_to_print(const EngineOptions& options) { return options.memory / 4; }

@@ -69,7 +69,7 @@ class Engine {
     // PNG. The recipe is one that `resolve` returned: without a number, each part would choose its own exposure.
     Result<convert::CodeValues> view(const Recipe& recipe, const develop::Size& size, const image::Rect& area,
                                      const ViewOptions& options = {});
-    // Of the whole picture.
+    // Counted over the whole picture.
     Result<Histogram> histogram(const Recipe& recipe, const develop::Size& size, const ViewOptions& options = {});
     Result<Probe> probe(const Recipe& recipe, const develop::Size& size, int x, int y, const Stopped& stopped = {});
     // Errors: kUsage of files that hold XYZ.

@@ -8,7 +8,7 @@
 
 namespace latent::darkroom {
 
-// Of a print: how often each code value occurs in red, green and blue (or three times in grey), and what it could not show.
+// How often each code value of a print occurs in red, green and blue (or three times in grey), and what it could not show.
 struct Histogram {
     std::array<std::array<std::uint64_t, 256>, 3> counts{};
     std::uint64_t pixels = 0, burnt = 0, black = 0, out_of_gamut = 0;

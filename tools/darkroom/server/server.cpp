@@ -116,7 +116,7 @@ class Views {
 // The last turn of each page: what pages asked for in earlier turns is given up.
 class Turns {
  public:
-    // Of a request with &tab=NAME&turn=N; one without is never given up.
+    // Whether a request with &tab=NAME&turn=N is outdated; one without is never given up.
     Stopped stopped(const Request& request) {
         const Result<std::uint64_t> asked = parse_count(request.get_param_value("turn"));
         const std::string tab = request.get_param_value("tab").substr(0, 32);

@@ -12,7 +12,7 @@ namespace latent::develop {
 
 namespace {
 
-// Of rows begin .. end-1, in single precision, which is that of pictures.
+// Rows begin .. end-1 of a column, in single precision, which is that of pictures.
 void read(const sampledb::ExtraColumn& column, std::size_t begin, std::size_t end, std::vector<float>& values) {
     values.resize(end - begin);
     const auto read_as = [&]<class T>(T) {

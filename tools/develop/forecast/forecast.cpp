@@ -160,7 +160,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, do
     const Result<LinearCost> decoding = measure(kDecodeSeconds, 1, runs, kDecodeEnough, decode);
     if (!decoding) return decoding.error();
     const Cost once = at_least(first->cost - decoding->of(1), {});  // done once in a process
-    // Of one run, nothing tells decoding from other work: all is taken as drawing.
+    // With one run, nothing tells decoding from other work: all is taken as drawing.
     Cost byte = runs > 1 ? decoding->each * (1 / std::max(decoded_for_one, 1.0)) : Cost{};
 
     // Pieces of a smaller picture, from so many runs that these give each pixel as many bytes as all give it in the end: emptier

@@ -241,7 +241,7 @@ void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weigh
         if (side == 4 && known_stride == 4) return with_shape(Shape<4, 4, kWeights>{side, entries});
         if (side == 3 && known_stride == 4) return with_shape(Shape<3, 4, kWeights>{side, entries});
         if (side == 2 && known_stride == 4) return with_shape(Shape<2, 4, kWeights>{side, entries});
-        // Of the default filter, with halves; with halves and what the denoiser knows of surfaces; with any layers.
+        // Shapes of the default filter: with halves; with halves and what the denoiser knows of surfaces; with any layers.
         if (side == 3 && known_stride == 8) return with_shape(Shape<3, 8, kWeights>{side, entries});
         if (side == 3 && known_stride == 16) return with_shape(Shape<3, 16, kWeights>{side, entries});
         if (side == 3) return with_shape(Shape<3, 0, kWeights>{side, entries});
