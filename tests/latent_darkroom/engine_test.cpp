@@ -223,6 +223,11 @@ TEST_F(DarkroomEngine, AHistogramCountsThePixelsOfTheView) {
     EXPECT_EQ(histogram->counts, counts);
     EXPECT_EQ(histogram->pixels, 15000u);
     EXPECT_GT(histogram->burnt, 0u);
+    const Result<darkroom::Histogram> marked =
+        engine->histogram(recipe_of(R"("convert": {"sensitivity": 40, "show": "clipped"})"), {150, 100});
+    ASSERT_TRUE(marked);
+    EXPECT_EQ(marked->counts, counts);
+    EXPECT_EQ(marked->burnt, histogram->burnt);
 }
 
 // Once the groups are there, any mix of them is made without reading samples.

@@ -53,6 +53,9 @@ TEST_F(DarkroomServer, PrintsAreThoseOfTheCommandLine) {
     const std::string file = write("r.json", recipe.dump());
     make("latent-print", "a.latent", {"--recipe", file, "-o", path("same.tif")});
     EXPECT_TRUE(bytes_of("kept/a b.tif") == bytes_of("same.tif"));
+    const auto again = client_->Post(base_ + "api/prints", order.dump(), "application/json");
+    EXPECT_EQ(again->status, 409);
+    EXPECT_EQ(Json::parse(again->body)["error"], "a b.tif is there already: choose another name, or replace it");
 }
 
 TEST_F(DarkroomServer, ACancelledPrintLeavesNothing) {

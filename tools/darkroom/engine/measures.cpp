@@ -30,6 +30,7 @@ Result<Histogram> Engine::histogram(const Recipe& recipe, const develop::Size& s
     Result<Decisions> decisions = decide(recipe);
     if (!decisions) return decisions.error();
     if (Status s = check_view(*decisions); !s) return s.error();
+    decisions->print.show_clipped = false;  // which leaves grey of the rest
     if (std::max(size.width, size.height) > kBlock)
         return usage_error(fmt::format("a histogram is of at most {} pixels a side", kBlock));
     convert::CodeValues codes;

@@ -1,12 +1,11 @@
 // Size, crop and paper, in pixels of the print.
 // @ts-check
-/* global OpenSeadragon */
 import { bind } from "./bind.js";
 import { $ } from "./dom.js";
 import { forget_view } from "./picture.js";
 import { changed, get, put, shows } from "./recipe.js";
 import { state } from "./server.js";
-import { height_of, print_width, viewer } from "./viewer.js";
+import { height_of, lay_over, print_width, take_off, viewer } from "./viewer.js";
 
 bind("size", "develop", "size", state.width);
 bind("crop", "develop", "crop", "");
@@ -17,12 +16,10 @@ export function crop() {
   return numbers.length === 4 ? numbers : [0, 0, width, height_of(width)];
 }
 function show_crop() {
-  const old = $("frame");
-  if (old) viewer.removeOverlay(old);
+  take_off("crop-cover");
   if (!get("develop", "crop") || viewer.world.getItemCount() === 0) return;
-  const [x0, y0, x1, y1] = crop().map((n) => n / print_width());
-  const frame = Object.assign(document.createElement("div"), { id: "frame", className: "crop" });
-  viewer.addOverlay({ element: frame, location: new OpenSeadragon.Rect(x0, y0, x1 - x0, y1 - y0) });
+  const [x0, y0, x1, y1] = crop(), width = print_width();
+  lay_over("crop-cover", "div", { id: "frame" }, [x0 / width, y0 / width, x1 / width, y1 / width]);
 }
 /** @param {any} area OpenSeadragon.Rect in widths of the picture */
 export function crop_to(area) {

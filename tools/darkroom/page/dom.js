@@ -4,9 +4,10 @@
 /** @param {string} id @returns {any} */
 export const $ = (id) => document.getElementById(id);
 
-/** @param {unknown} error */
+/** What was given up for something newer is no error. @param {any} error */
 export function show_error(error) {
-  $("error").textContent = error ? String(/** @type {any} */ (error).message ?? error) : "";
+  if (error?.superseded) return;
+  $("error").textContent = error ? String(error.message ?? error) : "";
   $("error").hidden = !error;
 }
 

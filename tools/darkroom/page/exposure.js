@@ -14,7 +14,10 @@ bind("profile", "convert", "profile", "srgb");
 bind("proof", "convert", "proof", "");
 bind("intent", "convert", "intent", "perceptual");
 
-shows.push(() => { $("sensitivity").textContent = get("convert", "exposure") ? "" : `sensitivity ${Number(get("convert", "sensitivity") ?? 1).toPrecision(4)}`; });
+shows.push(() => {
+  const sensitivity = get("convert", "sensitivity");
+  $("sensitivity").textContent = sensitivity ? `sensitivity ${Number(sensitivity).toPrecision(4)}` : "";
+});
 /** Takes the place of how bright the print was. @param {"auto" | "exposure"} key @param {any} value */
 function expose(key, value) {
   for (const other of ["sensitivity", "key", "auto", "exposure"]) put("convert", other, undefined);
@@ -45,8 +48,8 @@ shows.push(() => {
   if (kelvin) $("kelvin").value = kelvin[1];
   const named = [...$("white").options].some((o) => o.value === white);
   $("white").value = kelvin ? "kelvin" : named ? white : "picked";
-  $("white").querySelector('[value="picked"]').textContent = `x, y = ${white}`;
-  $("kelvin").nextElementSibling.textContent = `${$("kelvin").value} K`;
+  $("white").querySelector('[value="picked"]').textContent = `picked: x, y = ${white}`;
+  $("kelvin").nextElementSibling.textContent = kelvin ? `${$("kelvin").value} K` : "–";
 });
 $("white").addEventListener("change", () => {
   put("convert", "white", $("white").value === "kelvin" ? `${$("kelvin").value}K` : $("white").value);

@@ -6,7 +6,7 @@ import { height_of, seen_width } from "./viewer.js";
 
 /** @param {string} id @param {boolean} mixed */
 export async function show_histogram(id, mixed) {
-  let width = seen_width; // what is developed already, but no more than there is a histogram of
+  let width = seen_width(); // what is developed already, but no more than there is a histogram of
   while (Math.max(width, height_of(width)) > 2048) width = Math.ceil(width / 2);
   const h = await ask(`histogram?view=${id}&width=${width}&${in_turn(mixed)}`);
   const canvas = $("histogram"), context = canvas.getContext("2d");
@@ -20,6 +20,11 @@ export async function show_histogram(id, mixed) {
       context.fillRect(i * canvas.width / 256, canvas.height - bar, canvas.width / 256, bar);
     }
   }
-  const share = (/** @type {number} */ n) => `${(100 * n / Math.max(1, h.pixels)).toFixed(1)} %`;
-  $("clipping").textContent = `burnt ${share(h.burnt)} · black ${share(h.black)} · out of gamut ${share(h.out_of_gamut)}`;
+  const share = (/** @type {number} */ n) => `${(100 * n / Math.max(1, h.pixels)).toFixed(1)} %`;
+  $("clipping").replaceChildren();
+  for (const [name, count, colour] of [["burnt", h.burnt, "#f00"], ["black", h.black, "#00f"], ["out of gamut", h.out_of_gamut, "#f0f"]]) {
+    const swatch = document.createElement("i");
+    swatch.style.background = colour;
+    $("clipping").append(swatch, `${name} ${share(count)} `);
+  }
 }

@@ -1,7 +1,8 @@
 // The recipes that were shown, to go back to.
 // @ts-check
 import { $ } from "./dom.js";
-import { change_to, set_recipe, show_controls, shows } from "./recipe.js";
+import { settings_of, text_of } from "./lights.js";
+import { change_to, decision, set_recipe, show_controls, shows } from "./recipe.js";
 
 /** @typedef {import("./recipe.js").Recipe} Recipe */
 
@@ -9,15 +10,21 @@ import { change_to, set_recipe, show_controls, shows } from "./recipe.js";
 let history = [];
 let place = -1; // in the history
 
-/** @param {Recipe} made what the server made of the recipe: with its exposure as a number */
-export function keep(made) {
+let kept_of = -1; // the decision that the last one is of
+
+/** @param {Recipe} asked what was decided @param {Recipe} made what the server made of it: with its exposure as a number */
+export function keep(asked, made) {
   set_recipe(made);
-  const text = JSON.stringify(made);
-  if (history[place] !== text) {
+  const text = JSON.stringify(made), last = place === history.length - 1;
+  if (last && (kept_of === decision || history[place] === JSON.stringify(asked))) {
+    history = [...history.slice(0, place), text];
+  } else if (history[place] !== text) {
     history = [...history.slice(0, place + 1), text].slice(-500);
     place = history.length - 1;
   }
-  show_controls();
+  kept_of = place > 0 ? decision : -1;
+  if (text === JSON.stringify(asked)) show_place();
+  else show_controls();
 }
 /** @param {number} to */
 function go(to) {
@@ -32,7 +39,12 @@ function change_of(text, before) {
   const [to, from] = [JSON.parse(text), JSON.parse(before)];
   return ["develop", "convert"].flatMap((section) => Object.keys({ ...from[section], ...to[section] })
     .filter((key) => JSON.stringify(to[section]?.[key]) !== JSON.stringify(from[section]?.[key]))
-    .map((key) => `${key} ${to[section]?.[key] ?? "as by default"}`)).join(", ");
+    .flatMap((key) => key === "light" ? change_of_lights(to, from) : `${key} ${to[section]?.[key] ?? "by default"}`)).join(", ");
+}
+/** @param {Recipe} to @param {Recipe} from */
+function change_of_lights(to, from) {
+  const was = new Map(settings_of(from).map((light) => [light.name, text_of(light)]));
+  return settings_of(to).filter((light) => text_of(light) !== was.get(light.name)).map((light) => `${light.name} ${text_of(light)}`);
 }
 const kListed = 30; // of the history
 function show_history() {
@@ -50,8 +62,9 @@ export const undo = () => go(place - 1);
 export const redo = () => go(place + 1);
 $("undo").addEventListener("click", undo);
 $("redo").addEventListener("click", redo);
-shows.push(() => {
+function show_place() {
   show_history();
   $("undo").disabled = place < 1;
   $("redo").disabled = place > history.length - 2;
-});
+}
+shows.push(show_place);

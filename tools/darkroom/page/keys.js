@@ -33,7 +33,7 @@ document.addEventListener("keydown", (event) => {
   /** @type {{[key: string]: () => void}} */
   const keys = {
     "?": () => $("keys").showModal(), ",": () => third(-1), ".": () => third(1), f: () => viewer.viewport.goHome(), 1: () => $("one").click(),
-    c: compare, s: () => $("halves").click(), n: () => $("noise").click(), r: () => $("rulers").click(), x: () => set_mode("draw"), d: () => set_mode("brush"), p: () => set_mode("probe"),
+    c: compare, s: () => $("halves").click(), n: () => $("noise").click(), b: () => $("clipped").click(), r: () => $("rulers").click(), x: () => set_mode("draw"), d: () => set_mode("brush"), p: () => set_mode("probe"),
     Enter: () => { if (event.target === viewer.canvas || event.target === document.body) use_pointer(viewer.viewport.pixelFromPoint(viewer.viewport.getCenter())); }, Escape: () => set_mode(""),
   };
   keys[event.key]?.();

@@ -1,36 +1,22 @@
-// Light mix: "NAME=6500K,wratten-80a,2.5".
+// Light mix: how bright each group of lights is, and in which colour.
 // @ts-check
-import { $, show_error, signed } from "./dom.js";
+import { $, show_error } from "./dom.js";
+import { is_spectrum, settings_of, stops_of } from "./lights.js";
 import { touch_lights } from "./picture.js";
-import { changed, get, put, show_controls, shows } from "./recipe.js";
+import { changed, put, recipe, show_controls, shows } from "./recipe.js";
 import { state } from "./server.js";
 
-/** @typedef {import("./recipe.js").Section} Section */
-/** @typedef {{spectrum: string, gels: string[], factor: number}} Setting */
-/** @type {string[]} */
-const groups = state.light_groups.map((/** @type {any} */ group) => group.name);
+/** @typedef {import("./lights.js").Setting} Setting */
 const is_kelvin = (/** @type {string} */ text) => /^\d+(\.\d+)?k?$/i.test(text);
-const is_spectrum = (/** @type {string} */ text) => /^\d+(\.\d+)?k$/i.test(text) || state.lights.some((/** @type {any} */ light) => light.name === text);
-/** @param {string} name @returns {Setting} */
-function setting_of(name) {
-  const lights = [get("develop", "light") ?? []].flat();
-  const text = lights.find((l) => String(l).startsWith(name + "=")) ?? "";
-  /** @type {Setting} */
-  const setting = { spectrum: "", gels: [], factor: 1 };
-  for (const part of String(text).slice(name.length + 1).split(",").filter(Boolean)) {
-    if (is_spectrum(part)) setting.spectrum = part;
-    else if (Number.isFinite(Number(part))) setting.factor *= Number(part);
-    else setting.gels.push(part);
-  }
-  return setting;
-}
+const setting_of = (/** @type {string} */ name) => /** @type {Setting} */ (settings_of(recipe).find((setting) => setting.name === name));
 /** @type {Map<string, number>} */
 const unmuted = new Map(); // factors from before they were 0
-/** @param {Map<string, Setting>} settings */
-function put_lights(settings) {
+/** @param {(setting: Setting) => Partial<Setting>} change */
+function change_lights(change) {
   const texts = [];
-  for (const [name, s] of settings) {
-    const parts = [s.spectrum, ...s.gels, s.factor !== 1 && String(Number(s.factor.toPrecision(6)))].filter(Boolean);
+  for (const old of settings_of(recipe)) {
+    const { name, spectrum, gels, factor } = { ...old, ...change(old) };
+    const parts = [spectrum, ...gels, factor !== 1 && String(Number(factor.toPrecision(6)))].filter(Boolean);
     if (parts.length > 0) texts.push(`${name}=${parts.join(",")}`);
   }
   put("develop", "light", texts.length > 0 ? texts : undefined);
@@ -38,33 +24,33 @@ function put_lights(settings) {
   changed();
 }
 /** @param {string} name @param {Partial<Setting>} change */
-function put_light(name, change) {
-  put_lights(new Map(groups.map((n) => [n, { ...setting_of(n), ...(n === name ? change : {}) }])));
-}
+const put_light = (name, change) => change_lights((old) => old.name === name ? change : {});
+/** Whether the others are off, and it is not. @param {string} name */
+const is_alone = (name) => settings_of(recipe).every((setting) => (setting.factor !== 0) === (setting.name === name));
 const mute = (/** @type {string} */ name) => {
   const { factor } = setting_of(name);
   if (factor !== 0) unmuted.set(name, factor);
   return 0;
 };
-for (const { name, replaceable } of state.light_groups) {
+for (const { name, replaceable } of state.light_groups.toSorted((/** @type {any} */ a, /** @type {any} */ b) => Number(a.name === "unnamed") - Number(b.name === "unnamed"))) {
   const row = document.createElement("div");
   row.className = "group";
-  /** @param {string} tag @param {Section} properties */
-  const add = (tag, properties, to = row) => to.appendChild(Object.assign(document.createElement(tag), properties));
-  add("b", { textContent: name, title: name });
-  const stops = /** @type {any} */ (add("input", { type: "range", min: "-6", max: "6", step: "0.05" })), output = add("output", {});
-  const below = add("div", {}), off = add("button", { textContent: "Mute" }, below), solo = add("button", { textContent: "Solo" }, below);
+  /** @param {HTMLElement} to @param {string} tag @param {{[key: string]: any}} properties @returns {any} */
+  const add = (to, tag, properties) => to.appendChild(Object.assign(document.createElement(tag), properties));
+  add(row, "b", { textContent: name, title: name === "unnamed" ? "All lights without a name" : name });
+  const stops = add(row, "input", { type: "range", min: "-6", max: "6", step: "0.05" }), output = add(row, "output", {});
+  const below = add(row, "div", {}), off = add(below, "button", { textContent: "Mute" }), solo = add(below, "button", { textContent: "Solo" });
   off.setAttribute("aria-label", `Mute ${name}`);
   solo.setAttribute("aria-label", `Solo ${name}`);
   stops.setAttribute("aria-label", `Stops of ${name}`);
-  /** @param {string} list @param {Section} properties */
+  /** @param {string} list @param {{[key: string]: any}} properties */
   const add_choice = (list, properties) => {
-    const input = /** @type {any} */ (add("input", { autocomplete: "off", hidden: !state.spectral, ...properties }, below));
+    const input = add(below, "input", { autocomplete: "off", hidden: !state.spectral, ...properties });
     input.setAttribute("list", list);
     input.setAttribute("aria-label", `${properties.placeholder} of ${name}`);
     return input;
   };
-  const lamp = add_choice("lamps", { placeholder: "Lamp", title: replaceable ? "Its spectrum: kelvin, or the name of a light" : "The lights of this name have different spectra, or their spectrum is not known", disabled: !replaceable });
+  const lamp = add_choice("lamps", { placeholder: "Colour", title: replaceable ? "Another colour of light: a temperature, such as 3200K, or the name of a light, such as F11" : "The lights of this name have different spectra, or their spectrum is not known: only gels can colour them", disabled: !replaceable });
   const gel = add_choice("filters", { placeholder: "Gel" });
   stops.addEventListener("input", () => put_light(name, { factor: 2 ** Number(stops.value) }));
   lamp.addEventListener("change", () => {
@@ -76,19 +62,18 @@ for (const { name, replaceable } of state.light_groups) {
   gel.addEventListener("change", () => put_light(name, { gels: gel.value.split(",").map((/** @type {string} */ g) => g.trim()).filter(Boolean) }));
   off.addEventListener("click", () => put_light(name, { factor: setting_of(name).factor === 0 ? unmuted.get(name) ?? 1 : mute(name) }));
   solo.addEventListener("click", () => {
-    const alone = setting_of(name).factor !== 0 && groups.every((n) => n === name || setting_of(n).factor === 0);
-    const restored = (/** @type {string} */ n) => setting_of(n).factor || (unmuted.get(n) ?? 1);
-    put_lights(new Map(groups.map((n) => [n, { ...setting_of(n), factor: n === name || alone ? restored(n) : mute(n) }])));
+    const all = is_alone(name);
+    change_lights((old) => ({ factor: all || old.name === name ? old.factor || (unmuted.get(old.name) ?? 1) : mute(old.name) }));
   });
   shows.push(() => {
     const s = setting_of(name), muted = s.factor === 0, value = Math.log2(muted ? unmuted.get(name) ?? 1 : s.factor);
     stops.value = String(value);
-    output.textContent = muted ? "off" : signed(value);
+    output.textContent = stops_of(s.factor);
     lamp.value = s.spectrum;
     gel.value = s.gels.join(",");
-    gel.title = gel.value || "Filters before it, separated by commas";
+    gel.title = gel.value || "Filters before the light, separated by commas";
     off.setAttribute("aria-pressed", String(muted));
-    solo.setAttribute("aria-pressed", String(!muted && groups.length > 1 && groups.every((n) => n === name || setting_of(n).factor === 0)));
+    solo.setAttribute("aria-pressed", String(state.light_groups.length > 1 && is_alone(name)));
   });
   $("groups").append(row);
 }

@@ -1,18 +1,16 @@
 // Noise: the standard error of Y in areas of the print, over it.
 // @ts-check
-/* global OpenSeadragon */
 import { $, show_error } from "./dom.js";
 import { measures, view } from "./picture.js";
 import { get, light_of, recipe } from "./recipe.js";
 import { ask, in_turn, state } from "./server.js";
-import { height_of, print_width, viewer } from "./viewer.js";
+import { height_of, lay_over, print_width, take_off } from "./viewer.js";
 
-const kNoise = [{ from: 0.01, colour: "#4575b4" }, { from: 0.02, colour: "#fee090" }, { from: 0.05, colour: "#fc8d59" }, { from: 0.1, colour: "#d73027" }];
+const kNoise = [{ from: 0.01, colour: "#4575b4" }, { from: 0.02, colour: "#91bfdb" }, { from: 0.05, colour: "#fee090" }, { from: 0.1, colour: "#fc8d59" }, { from: 0.2, colour: "#d73027" }, { from: 0.5, colour: "#7a0177" }];
 const percent = (/** @type {number} */ v) => `${Number((100 * v).toPrecision(2))} %`;
 let noisy_light = ""; // that the map is of
 function hide_noise() {
-  const old = $("noise-map");
-  if (old) viewer.removeOverlay(old);
+  take_off("noise-cover");
   $("noise-told").replaceChildren();
   noisy_light = "";
 }
@@ -28,16 +26,15 @@ async function show_noise() {
     if (!$("noise").checked) return;
     hide_noise();
     noisy_light = light;
-    const canvas = Object.assign(document.createElement("canvas"), { id: "noise-map", width: map.columns, height: map.rows });
-    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    const canvas = lay_over("noise-cover", "canvas", { id: "noise-map", width: map.columns, height: map.rows }, [0, 0, map.columns * map.side / width, map.rows * map.side / width]);
+    const context = canvas.getContext("2d");
     map.relative.forEach((/** @type {number | null} */ relative, /** @type {number} */ i) => {
       const level = kNoise.findLast(({ from }) => (relative ?? 0) * finer >= from);
       if (!level) return;
       context.fillStyle = level.colour;
       context.fillRect(i % map.columns, Math.floor(i / map.columns), 1, 1);
     });
-    viewer.addOverlay({ element: canvas, location: new OpenSeadragon.Rect(0, 0, map.columns * map.side / width, map.rows * map.side / width) });
-    $("noise-told").append(`Standard error of a pixel: half above ${percent(map.median * finer)}, 5 % above ${percent(map.p95 * finer)}.`);
+    $("noise-told").append(`Noise of a pixel (standard error): half above ${percent(map.median * finer)}, 5 % above ${percent(map.p95 * finer)}. Marked: `);
     for (const { from, colour } of kNoise) {
       const swatch = document.createElement("i");
       swatch.style.background = colour;
@@ -46,7 +43,7 @@ async function show_noise() {
     if (get("develop", "denoise")) $("noise-told").append(" Before it is removed.");
     if (finer > 1) $("noise-told").append(` (from pixels ${finer.toPrecision(2)} times as wide)`);
   } catch (error) {
-    if (!(/** @type {any} */ (error).superseded)) show_error(error);
+    show_error(error);
   }
 }
 $("noise").addEventListener("change", show_noise);

@@ -3,7 +3,7 @@
 import { $, badge, show_error } from "./dom.js";
 import { show_histogram } from "./histogram.js";
 import { keep } from "./history.js";
-import { light_of, recipe, when_changed } from "./recipe.js";
+import { colours_of, light_of, recipe, when_changed } from "./recipe.js";
 import { ask, begin_turn, in_turn, state, superseded, turn } from "./server.js";
 import { at_stage, badge_of, first_share, stages_of } from "./stages.js";
 import { add_image, height_of, inside, loaded, seen_width, viewer } from "./viewer.js";
@@ -18,12 +18,13 @@ export let commands = ""; // that make the print
 /** What is measured of each print when it is there. @type {(() => Promise<void>)[]} */
 export const measures = [];
 /** @type {import("./stages.js").Seen} */
-const seen = { light: "", samples: 0, stage: { share: 0, mixed: false }, apart: "" };
+const seen = { light: "", colours: "", samples: 0, stage: { share: 0, mixed: false }, apart: { colours: "", share: 0 } };
 let lights_touched = false;
 export const touch_lights = () => { lights_touched = true; };
 /** Of the viewer. @type {any} */
 let item;
 let running = false, finished = 0; // the last turn that is
+let late = 0; // says so when nothing of a turn is there soon
 
 /** Puts the view over what is shown, and in its place once all of it is there. False: it is not wanted any more.
  * @param {string} id @param {boolean} mixed */
@@ -51,19 +52,22 @@ async function show_stages(asked) {
   for (const stage of stages_of(asked, seen)) {
     const exact = stage.share === 1 && !stage.mixed;
     const made = await ask_view(at_stage(asked, stage), stage.mixed);
+    if (turn !== mine) return;
     show_error("");
     if (exact) {
       commands = made.commands;
-      if (recipe === asked) keep(made.recipe);
     }
+    if (recipe === asked) keep(asked, exact ? made.recipe : asked);
     if (!exact || made.view !== view || !item || seen.samples < state.samples) {
       if (!await show(made.view, stage.mixed)) return;
     }
-    Object.assign(seen, { light: light_of(asked), stage, samples: exact ? state.samples : 0 });
+    Object.assign(seen, { light: light_of(asked), colours: colours_of(asked), stage, samples: exact ? state.samples : 0 });
     view = made.view;
+    clearTimeout(late);
     badge(exact ? "" : badge_of(stage));
     await show_histogram(made.view, stage.mixed);
     if (!exact) await rest(300); // for the next step of a slider
+    if (turn !== mine) return;
     if (exact) finished = mine;
   }
 }
@@ -76,7 +80,7 @@ async function update() {
   running = true;
   while (finished !== turn) {
     const now = turn;
-    const late = setTimeout(() => $("badge").textContent || badge("developing …"), 200);
+    late = setTimeout(() => $("badge").textContent || badge("developing …"), 200);
     try {
       await show_stages(recipe);
     } catch (error) {
@@ -102,14 +106,13 @@ async function update() {
 async function keep_lights_apart() {
   if (state.light_groups.length < 2 || running) return;
   const mine = turn, shares = [first_share(), ...(lights_touched ? [1] : [])];
-  seen.apart = "";
   try {
     for (const share of shares) {
-      const made = await ask_view(at_stage(recipe, { share, mixed: true }), true), w = seen_width;
+      const made = await ask_view(at_stage(recipe, { share, mixed: true }), true), w = seen_width();
       const centre = viewer.viewport.getCenter(), x = inside(centre.x, w), y = inside(centre.y, height_of(w), w);
       const response = await fetch(`api/tile?view=${made.view}&width=${w}&area=${x},${y},${x + 1},${y + 1}&format=raw&${in_turn(true)}`);
       if (!response.ok || turn !== mine) return;
-      seen.apart = share === 1 ? "exact" : "mixed";
+      seen.apart = { colours: seen.colours, share };
     }
   } catch { /* given up */ }
 }
@@ -127,6 +130,7 @@ setInterval(async () => {
     const now = await ask("samples");
     if (now.samples <= state.samples || running) return;
     state.samples = now.samples;
+    seen.apart.colours = "";
     show_samples();
     update();
   } catch { /* the server has ended, or will answer again */ }

@@ -3,16 +3,26 @@
 import { $, carefully } from "./dom.js";
 import { commands } from "./picture.js";
 import { recipe } from "./recipe.js";
-import { ask } from "./server.js";
+import { ask, state } from "./server.js";
+
+$("name").value = String(state.inputs[0]).replace(/\.latent$/, "");
+$("folder").textContent = `Recipes and prints are in ${state.folder}`;
+$("to-print").addEventListener("click", () => {
+  $("prints").open = true;
+  $("prints").scrollIntoView({ behavior: "smooth" });
+  $("name").focus({ preventScroll: true });
+});
 
 $("print").addEventListener("click", carefully(async () => {
   const name = `${$("name").value}.${$("format").value}`;
   await ask("prints", { method: "POST", body: JSON.stringify({ name, recipe, replace: $("replace").checked }) });
   await show_prints();
+  $("jobs").scrollIntoView({ block: "nearest" });
 }));
 $("copy").addEventListener("click", carefully(async () => {
   await navigator.clipboard.writeText(commands);
   $("status").textContent = "copied";
+  setTimeout(() => { $("status").textContent = ""; }, 3000);
 }));
 let watching = false;
 async function show_prints() {

@@ -1,7 +1,7 @@
 // The numbers and the spectrum of a place; a neutral that is picked there, or the focus.
 // @ts-check
 /* global OpenSeadragon */
-import { $, show_error } from "./dom.js";
+import { $, carefully, show_error } from "./dom.js";
 import { plot_spectrum, short } from "./plot.js";
 import { measures, view } from "./picture.js";
 import { mode, set_mode } from "./pointer.js";
@@ -13,18 +13,31 @@ import { height_of, inside, print_width, viewer } from "./viewer.js";
 let probed;
 let probed_view = ""; // of the numbers that are shown
 const kBins = 47;     // of the spectrum: 10 nm
+/** The pixel of a place, in the picture whose pixels are `side` times as wide as those of the print.
+ * @param {{x: number, y: number}} place @param {number} side */
+function pixel_at(place, side) {
+  const w = Math.max(1, Math.ceil(print_width() / side)), x = inside(place.x, w), y = inside(place.y, height_of(w), w);
+  return { x, y, pixel: print_width() / w, at: `view=${view}&width=${w}&x=${x}&y=${y}&${in_turn(false)}` };
+}
 /** The numbers of the print there, or of a square of its pixels as one. */
 async function probe() {
-  if (!probed || !view) return undefined;
-  const side = Number($("probe-side").value), w = Math.ceil(print_width() / side), pixel = print_width() / w, x = inside(probed.x, w), y = inside(probed.y, height_of(w), w);
-  const at = `view=${view}&width=${w}&x=${x}&y=${y}&${in_turn(false)}`, digits = (/** @type {number} */ v) => v.toPrecision(4);
+  if (!probed || !view) return;
+  const side = Number($("probe-side").value), { x, y, pixel, at } = pixel_at(probed, side), digits = (/** @type {number} */ v) => v.toPrecision(4);
   probed_view = view;
   const p = await ask(`probe?${at}`);
   $("probed").textContent = `${side > 1 ? `${pixel.toFixed(1)} × ${pixel.toFixed(1)} pixels from` : "pixel"} ${Math.round(x * pixel)}, ${Math.round(y * pixel)}: ${Math.round(p.samples)} samples\n` +
-    (p.xy ? ["X", "Y", "Z"] : ["R", "G", "B"]).map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}`).join("\n") +
+    (p.xy ? ["X", "Y", "Z"] : ["R", "G", "B"]).map((c, i) => `${c} ${digits(p.values[i])} ± ${digits(p.standard_errors[i])}${p.values[i] > 0 ? ` (${short(100 * p.standard_errors[i] / p.values[i], 2)} %)` : ""}`).join("\n") +
     (p.xy ? `\nx, y ${p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(", ")}` : `\nof ${p.observer}`) + `\nRGB ${p.rgb.join(", ")}`;
-  if (state.spectral && mode !== "pick") show_spectrum(await ask(`spectrum?${at}&bins=${kBins}`));
-  return p;
+  if (state.spectral) show_spectrum(await ask(`spectrum?${at}&bins=${kBins}`));
+}
+/** What is there becomes neutral: as much of it as the mark covers. @param {{x: number, y: number}} place */
+async function pick_neutral(place) {
+  const mark = 15; // pixels of the screen
+  const p = await ask(`probe?${pixel_at(place, mark * print_width() / (viewer.viewport.getZoom(true) * $("picture").clientWidth)).at}`);
+  if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
+  put("convert", "white", p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(","));
+  set_mode("");
+  changed();
 }
 /** @param {any} spectrum */
 function show_spectrum(spectrum) {
@@ -39,7 +52,7 @@ function show_spectrum(spectrum) {
 /** Numbers never stay from another print. */
 async function probe_again() {
   if (!probed || probed_view === view) return;
-  try { await probe(); } catch (error) { if (!(/** @type {any} */ (error).superseded)) show_error(error); }
+  try { await probe(); } catch (error) { show_error(error); }
 }
 $("probe-side").addEventListener("change", () => { probed_view = ""; probe_again(); });
 measures.push(probe_again);
@@ -50,21 +63,12 @@ export async function use_pointer(position) {
   const point = viewer.viewport.pointFromPixel(position);
   if (point.x < 0 || point.y < 0 || point.x >= 1 || point.y >= state.aspect[1] / state.aspect[0]) return;
   if (mode === "focus-here") return focus_on(point);
+  if (mode === "pick") return carefully(() => pick_neutral(point))();
   probed = { x: point.x, y: point.y };
   const old = $("mark");
   if (old) viewer.removeOverlay(old);
   viewer.addOverlay({ element: Object.assign(document.createElement("div"), { id: "mark" }), location: point, placement: OpenSeadragon.Placement.CENTER });
-  try {
-    const p = await probe();
-    if (mode === "pick") {
-      if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
-      put("convert", "white", p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(","));
-      set_mode("");
-      changed();
-    }
-  } catch (error) {
-    show_error(error);
-  }
+  await carefully(probe)();
 }
 viewer.addHandler("canvas-click", (/** @type {any} */ event) => { if (event.quick) use_pointer(event.position); });
 

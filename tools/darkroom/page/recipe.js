@@ -19,18 +19,31 @@ export function put(section, key, value) {
 
 /** @param {Recipe} asked */
 export const light_of = (asked) => JSON.stringify(asked.develop ?? {});
-/** @param {Recipe} asked */
-export const without_lights = (asked) => light_of({ ...asked, develop: { ...asked.develop, light: undefined } });
+/** The same for all recipes whose lights differ in how bright they are alone. @param {Recipe} asked */
+export function colours_of(asked) {
+  const colours = [asked.develop?.light ?? []].flat().map((text) => {
+    const at = text.lastIndexOf("=") + 1, parts = text.slice(at).split(",").filter((/** @type {string} */ part) => !Number.isFinite(Number(part)));
+    return parts.length > 0 ? text.slice(0, at) + parts : "";
+  });
+  return light_of({ ...asked, develop: { ...asked.develop, light: undefined } }) + colours.filter(Boolean).join(" ");
+}
 
 /** Controls, which show what the recipe has. @type {(() => void)[]} */
 export const shows = [];
 export const show_controls = () => shows.forEach((show) => show());
+
+// Changes belong to one decision while a slider is moved or a key is held.
+let gesture = 0;
+for (const end of ["change", "click", "keyup", "pointerup"]) document.addEventListener(end, () => { ++gesture; }, true);
+/** That the recipe is of. */
+export let decision = 0;
 
 /** What else is to be done when it has changed. @type {() => void} */
 let then = () => {};
 /** @param {() => void} update */
 export const when_changed = (update) => { then = update; };
 export function changed() {
+  decision = gesture;
   show_controls();
   then();
 }

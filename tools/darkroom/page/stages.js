@@ -1,6 +1,6 @@
 // From a first preview to the print: pictures of more and more of the samples.
 // @ts-check
-import { light_of, without_lights } from "./recipe.js";
+import { colours_of, light_of } from "./recipe.js";
 import { state } from "./server.js";
 
 /** @typedef {import("./recipe.js").Recipe} Recipe */
@@ -8,8 +8,8 @@ import { state } from "./server.js";
 const kPreview = 1.5e6; // samples, which are developed at once
 const kSteps = 8;       // times as many, in each picture until all are in
 /** @typedef {{share: number, mixed: boolean}} Stage */
-/** What is shown; and of which samples lights are kept apart, so that they can be mixed at once.
- * @typedef {{light: string, samples: number, stage: Stage, apart: "" | "mixed" | "exact"}} Seen */
+/** What is shown; and the lights that are kept apart, of a part of the samples, so that they can be mixed at once.
+ * @typedef {{light: string, colours: string, samples: number, stage: Stage, apart: {colours: string, share: number}}} Seen */
 
 // A part of the samples that is a preview; 1: there are few.
 export function first_share() {
@@ -25,8 +25,8 @@ export function stages_of(asked, seen) {
   if (same && !seen.stage.mixed && seen.stage.share === 1) return [exact];
   /** @type {Stage[]} */
   const stages = [];
-  const mixes = state.light_groups.length > 1 && seen.light !== "" && !same && without_lights(asked) === without_lights(JSON.parse(`{"latent-recipe": 1, "develop": ${seen.light}}`));
-  if (mixes) stages.push({ share: seen.apart === "exact" ? 1 : first, mixed: true });
+  const mixes = state.light_groups.length > 1 && !same && colours_of(asked) === seen.colours;
+  if (mixes) stages.push({ share: seen.apart.colours === seen.colours ? seen.apart.share : first, mixed: true });
   else if (same) stages.push(seen.stage);
   const from = stages[0]?.share ?? first / kSteps;
   for (let share = from * kSteps; share < 0.5; share *= kSteps) stages.push({ share, mixed: false });

@@ -316,6 +316,7 @@ class HttpServer final : public Server {
                    {"f_number", nullptr},
                    {"shutter", engine_.knows_shutter()},
                    {"depth", engine_.knows_depth()},
+                   {"folder", std::filesystem::absolute(folder_.path()).lexically_normal().string()},
                    {"recipes", folder_.recipes()}};
         if (const std::optional<double> f = engine_.f_number()) state["f_number"] = *f;
         return state;
@@ -471,6 +472,8 @@ class HttpServer final : public Server {
         if (!decisions) return decisions.error();
         decisions->print.outputs = {*output};
         decisions->print.replace = order.value("replace", Json(false)) == Json(true);
+        if (std::error_code ignored; !decisions->print.replace && std::filesystem::exists(*output, ignored))
+            return Error{ErrorCode::kExists, output->filename().string() + " is there already: choose another name, or replace it"};
         if (Status s = convert::check(decisions->print); !s) return s.error();
         const Result<std::uint64_t> id = prints_.add(*output, *recipe, decisions->print.replace);
         if (!id) return id.error();
