@@ -6,6 +6,7 @@ import { change_to, get, recipe, shows } from "./recipe.js";
 import { state } from "./server.js";
 
 /** @typedef {import("./recipe.js").Recipe} Recipe */
+/** @typedef {import("./recipe.js").Section} Section */
 
 bind("observer", "develop", "observer", "");
 bind("filter", "develop", "lens-filter", "");
@@ -14,7 +15,10 @@ bind("grain", "convert", "grain", false);
 
 /** What a recipe on this film has, on this paper or with this look. @param {Recipe} from @param {{film?: string, paper?: string, look?: string}} chosen @returns {Recipe} */
 export function on_film(from, { film, paper, look }) {
-  const develop = { ...from.develop, film }, convert = { ...from.convert, paper, look };
+  /** @type {Section} */
+  const develop = { ...from.develop, film };
+  /** @type {Section} */
+  const convert = { ...from.convert, paper, look };
   for (const key of ["observer", "camera-output", "raw-balance"]) delete develop[key];
   for (const key of ["white", "sensitivity", "print-exposure", "grain"]) delete convert[key];
   if (film && paper !== "scan") for (const key of ["tone", "contrast", "black"]) delete convert[key];
