@@ -52,6 +52,20 @@ std::string state_of_files(const std::vector<std::filesystem::path>& inputs) {
     return state;
 }
 
+constexpr std::size_t kSmall = std::size_t{kBlock} * kBlock;  // pixels that are developed at once
+
+convert::CodeValues part_of(const convert::CodeValues& all, const Rect& part) {
+    const auto channels = static_cast<std::size_t>(all.channels), row = channels * static_cast<std::size_t>(part.width());
+    convert::CodeValues codes{part.width(), part.height(), all.channels, {}, all.srgb, all.icc};
+    codes.codes.reserve(row * static_cast<std::size_t>(part.height()));
+    for (int y = part.y0; y < part.y1; ++y) {
+        const auto from =
+            all.codes.begin() + static_cast<std::ptrdiff_t>(channels) * (static_cast<std::ptrdiff_t>(y) * all.width + part.x0);
+        codes.codes.insert(codes.codes.end(), from, from + static_cast<std::ptrdiff_t>(row));
+    }
+    return codes;
+}
+
 std::vector<develop::LightGroup> light_groups_in(const sampledb::RunSet& runs) {
     return develop::light_groups_of(runs).value_or(std::vector<develop::LightGroup>{});
 }
@@ -192,7 +206,7 @@ Result<convert::CodeValues> Engine::view(const Recipe& recipe, const develop::Si
 
 Result<Rect> Engine::block_at(const Decisions& decisions, const develop::Size& size, int x, int y) {
     const Rect all = whole(size);
-    constexpr std::size_t kSmall = std::size_t{kBlock} * kBlock, kMostSpread = 16 * kSmall;
+    constexpr std::size_t kMostSpread = 16 * kSmall;
     if (all.pixels() <= kSmall) return all;
     if (decisions.spreads_light()) {
         if (all.pixels() <= kMostSpread) return all;
@@ -287,15 +301,25 @@ Result<convert::ConvertReport> Engine::print(const Decisions& decisions, const d
     options.picture = (*picture)->file;
     options.codes = std::make_shared<convert::CodeValues>();
     options.stops.resize(1);
-    options.crop = area;
+    const bool keeps = decisions.spreads_light() && block.pixels() <= kSmall;  // a part would cost as much as all of it
+    options.crop = keeps ? block : area;
     options.paper_width_mm = 0;
     options.memory = memory_to_print(options_);
     options.threads = options_.threads;
+    const std::string how = fmt::format("{} {}", options.show_clipped, decisions.recipe.dump(-1, ' ', true));
     const std::scoped_lock printing(printing_);
     if (is_true(view.stopped)) return given_up();
-    Result<convert::ConvertReport> report = convert::convert(options, {});
-    if (report) codes = std::move(*options.codes);
-    return report;
+    if (!keeps || last_print_.of.lock() != *picture || last_print_.how != how) {
+        Result<convert::ConvertReport> report = convert::convert(options, {});
+        if (!report) return report.error();
+        if (!keeps) {
+            codes = std::move(*options.codes);
+            return report;
+        }
+        last_print_ = {*picture, how, std::move(*options.codes), *std::move(report)};
+    }
+    codes = part_of(last_print_.codes, area);
+    return last_print_.report;
 }
 
 }  // namespace latent::darkroom

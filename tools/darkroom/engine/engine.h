@@ -108,8 +108,17 @@ class Engine {
     const EngineOptions options_;
     mutable std::mutex mutex_;  // guards opened_
     Opened opened_;
-    std::mutex looking_;   // one at a time looks again
-    std::mutex printing_;  // or prints
+    // Of a picture in which light spreads, as a whole.
+    struct WholePrint {
+        std::weak_ptr<const KeptPicture> of{};
+        std::string how{};
+        convert::CodeValues codes{};
+        convert::ConvertReport report{};
+    };
+
+    std::mutex looking_;     // one at a time looks again
+    std::mutex printing_;    // or prints
+    WholePrint last_print_;  // under printing_
     PictureCache cache_;
     Developing developing_;  // ends first
 };
