@@ -48,7 +48,7 @@ shows.push(() => {
   if (kelvin) $("kelvin").value = kelvin[1];
   const named = [...$("white").options].some((o) => o.value === white);
   $("white").value = kelvin ? "kelvin" : named ? white : "picked";
-  $("white").querySelector('[value="picked"]').textContent = `picked: x, y = ${white}`;
+  $("white").querySelector('[value="picked"]').textContent = `picked: ${white}`;
   $("kelvin").nextElementSibling.textContent = kelvin ? `${$("kelvin").value} K` : "–";
 });
 $("white").addEventListener("change", () => {

@@ -16,7 +16,7 @@ export const viewer = OpenSeadragon({ ...kViewer, element: $("picture") });
 // A picture that is in view as a whole stays so when the window, or the part of it for the picture, gets another size.
 let fits = true;
 viewer.addHandler("animation-finish", () => { fits = Math.abs(viewer.viewport.getZoom() / viewer.viewport.getHomeZoom() - 1) < 0.01; });
-viewer.addHandler("resize", () => { if (fits) viewer.viewport.goHome(true); });
+viewer.addHandler("resize", () => { if (fits) requestAnimationFrame(() => viewer.viewport.goHome(true)); });  // after the viewer's own zoom
 
 /** @param {number} width */
 export const height_of = (width) => Math.max(1, Math.round(width / (state.aspect[0] / state.aspect[1])));
