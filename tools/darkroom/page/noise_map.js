@@ -7,7 +7,7 @@ import { ask, in_turn, state } from "./server.js";
 import { height_of, lay_over, print_width, take_off } from "./viewer.js";
 
 const kNoise = [{ from: 0.01, colour: "#4575b4" }, { from: 0.02, colour: "#91bfdb" }, { from: 0.05, colour: "#fee090" }, { from: 0.1, colour: "#fc8d59" }, { from: 0.2, colour: "#d73027" }, { from: 0.5, colour: "#7a0177" }];
-const percent = (/** @type {number} */ v) => `${Number((100 * v).toPrecision(2))} %`;
+const percent = (/** @type {number} */ v) => `${Number((100 * v).toPrecision(2))}\u00a0%`;
 let noisy_light = ""; // that the map is of
 function hide_noise() {
   take_off("noise-cover");
