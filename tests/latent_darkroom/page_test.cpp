@@ -252,7 +252,7 @@ TEST_F(DarkroomPage, APrintForAPaperHasItsPixels) {
 }
 
 TEST_F(DarkroomPage, FiltersAreFoundAndChosenByEyeAndTheHistoryGoesBack) {
-    const Json seen = drive({{{"set", {{"stops", "1"}}}},
+    const Json seen = drive({{{"set", {{"stops", {"0.4", "0.7", "1"}}}}},
                              {{"click", "eye-filters"}},
                              {{"set", {{"find", "25"}}},
                               {"wait", "#thumbnails button:not([hidden]) img[alt$='wratten-25']"},
@@ -263,6 +263,7 @@ TEST_F(DarkroomPage, FiltersAreFoundAndChosenByEyeAndTheHistoryGoesBack) {
     EXPECT_EQ(seen[2]["told"].size(), 1U) << seen[2]["told"];
     EXPECT_EQ(seen[3]["recipe"]["develop"]["lens-filter"], "wratten-25");
     EXPECT_EQ(seen[3]["told"][0]["text"], "lens-filter wratten-25");
+    ASSERT_EQ(seen[3]["told"].size(), 3U) << seen[3]["told"];
     EXPECT_EQ(seen[3]["told"][1]["text"], "stops 1");
     EXPECT_EQ(seen[4]["told"][0]["text"], "the beginning");
     EXPECT_TRUE(is_same(bytes_from_base64(seen[4]["tile"]), printed({})));

@@ -1,7 +1,8 @@
 // Drives the darkroom's page with Chromium, and tells what it shows after each step.
 // Usage: node drive.mjs ADDRESS FOLDER WIDTHxHEIGHT < STEPS
 // STEPS: a JSON list. Each step is one of
-//   {"set": {"stops": 1}}      controls by their ids or selectors, as hands would set them (true: a check box is clicked)
+//   {"set": {"stops": 1}}      controls by their ids or selectors, as hands would set them (true: a check box is clicked; a list: a
+//                              slider is moved through these)
 //   {"click": "undo"}          a button; or an element's selector, {"click": "#groups button"}
 //   {"key": "."}               a key
 //   {"wait": ".a"}             until there is such an element
@@ -35,9 +36,13 @@ const selector = (name) => (/^[\w-]+$/.test(name) ? "#" + name : name);
 async function take(step) {
   if (step.set) {
     for (const [id, value] of Object.entries(step.set)) {
-      await evaluate(`{ const c = document.querySelector(${JSON.stringify(selector(id))}); const v = ${JSON.stringify(value)};
-        if (c.type === "checkbox") c.click();
-        else { c.value = v; c.dispatchEvent(new Event("input", { bubbles: true })); c.dispatchEvent(new Event("change", { bubbles: true })); } }`);
+      const control = `document.querySelector(${JSON.stringify(selector(id))})`;
+      if (value === true) await evaluate(`${control}.click()`);
+      for (const v of value === true ? [] : [value].flat()) {
+        await evaluate(`${control}.value = ${JSON.stringify(v)}; ${control}.dispatchEvent(new Event("input", { bubbles: true }))`);
+        if (Array.isArray(value)) await pause(300);
+      }
+      if (value !== true) await evaluate(`${control}.dispatchEvent(new Event("change", { bubbles: true }))`);
     }
   }
   if (step.click) {
