@@ -82,11 +82,19 @@ TEST_F(Cover, AClosedSpaceOfAnySizeIsLitThroughItsWalls) {
     }
 }
 
+const std::initializer_list<std::uint32_t> kOpenAbove = {0, 2, 1, 1, 2, 3, 0, 1, 4, 1, 5, 4, 2, 6, 3,
+                                                         3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+
 TEST_F(Cover, OneOpenSideLetsTheSkyIn) {
-    const LoadedScene scene =
-        load_all(cubes({{.half = 3}}, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6}));
+    const LoadedScene scene = load_all(cubes({{.half = 3}}, kOpenAbove));
     EXPECT_EQ(backdrops(scene), std::vector{false});
     EXPECT_THAT(scene.added, ::testing::ElementsAre(HasSubstr("a soft sky with a key light is added")));
+}
+
+// A lid leaves a gap all around, of 1/100 of the sphere or 1/25.
+TEST_F(Cover, AGapIsAnOpeningIfItIsWideEnough) {
+    EXPECT_EQ(backdrops(load_all(cubes({{.half = 3}, {.half = 2.9, .at = {0, 0, 5.9}}}, kOpenAbove))), (std::vector{true, true}));
+    EXPECT_EQ(backdrops(load_all(cubes({{.half = 3}, {.half = 2.5, .at = {0, 0, 5.5}}}, kOpenAbove))), (std::vector{false, false}));
 }
 
 // Things in a room cast shadows. About a house in the box that shows a sky, the box, the house and what stands outside do not.
@@ -143,7 +151,7 @@ TEST_F(Cover, AWallIsOpaqueWhereItsAlphaIs) {
     };
     constexpr double kLeft = 0.25, kRight = 0.75, kBlend = -1;
     EXPECT_TRUE(is_closed(1, kBlend, kLeft));
-    EXPECT_TRUE(is_closed(254.5 / 255, kBlend, kLeft));
+    EXPECT_TRUE(is_closed(0.95, kBlend, kLeft));
     EXPECT_FALSE(is_closed(0.8, kBlend, kLeft));
     EXPECT_FALSE(is_closed(1, kBlend, kRight));
     EXPECT_TRUE(is_closed(0.8, 0.5, kLeft));

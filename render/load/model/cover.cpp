@@ -13,7 +13,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr double kOpaque = 0.995;  // an alpha above it; integers of 8 bits may be 254
+constexpr double kOpaque = 0.9;  // an alpha that looks opaque
 
 // Where a ray meets a triangle of a shape: u of the way along its first side, v along its last.
 struct Met {
@@ -76,11 +76,12 @@ double alpha_at(const Met& met, const Textures& textures) {
 class Rays {
  public:
     static constexpr std::size_t kSide = 24, kCount = kSide * kSide;
+    static constexpr std::size_t kMaxOpen = kCount / 64;  // that meet nothing in a closed space: seams of textures, a small window
 
     explicit Rays(const Vec3d& from) : from_(from) {
-        const auto middle = [](std::size_t cell) { return (static_cast<float>(cell) + 0.5f) / kSide; };
-        for (std::size_t i = 0; i < kCount; ++i) {
-            const Vec3f d = sphere_from_square({middle(i % kSide), middle(i / kSide)});
+        const auto at = [](std::size_t cell, float inside) { return (static_cast<float>(cell) + inside) / kSide; };
+        for (std::size_t i = 0; i < kCount; ++i) {  // not the cells' middles, which may lie in planes that the model is even about
+            const Vec3f d = sphere_from_square({at(i % kSide, 0.382f), at(i / kSide, 0.618f)});
             x_[i] = d.x, y_[i] = d.y, z_[i] = d.z;
         }
     }
@@ -132,7 +133,9 @@ bool uncover_sky(Model& model) {
     const auto erase = [&](const auto& is_gone) {
         for (std::vector<Met>& met : rays.met()) std::erase_if(met, is_gone);
     };
-    const auto is_closed = [&] { return std::ranges::none_of(rays.met(), &std::vector<Met>::empty); };
+    const auto is_closed = [&] {
+        return static_cast<std::size_t>(std::ranges::count_if(rays.met(), &std::vector<Met>::empty)) <= Rays::kMaxOpen;
+    };
     if (!is_closed()) return false;
     SpectrumLibrary library;
     const Result<Textures> textures = Textures::build(model.scene, 0, library);
@@ -140,8 +143,9 @@ bool uncover_sky(Model& model) {
     erase([&](const Met& met) { return met.loaded->shape.alpha.is_textured() && !(alpha_at(met, *textures) > kOpaque); });
     bool is_uncovered = false;
     for (; is_closed(); is_uncovered = true) {
-        for (const std::vector<Met>& met : rays.met())
-            std::ranges::max_element(met, {}, &Met::distance)->loaded->shape.backdrop = true;
+        for (const std::vector<Met>& met : rays.met()) {
+            if (!met.empty()) std::ranges::max_element(met, {}, &Met::distance)->loaded->shape.backdrop = true;
+        }
         erase([](const Met& met) { return met.loaded->shape.backdrop; });
     }
     return is_uncovered;

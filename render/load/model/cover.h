@@ -6,8 +6,8 @@
 
 namespace latent::render {
 
-// Makes backdrops of the outermost shapes about the camera, until it sees the sky behind the others: in one of 576 directions that
-// are spread evenly over the sphere, there is nothing opaque. False: it sees it anyway.
+// Makes backdrops of the outermost shapes about the camera, until it sees the sky behind the others: in more than 9 of 576
+// directions that are spread evenly over the sphere, there is nothing opaque. False: it sees it anyway.
 bool uncover_sky(Model& model);
 
 }  // namespace latent::render
