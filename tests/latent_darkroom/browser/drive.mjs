@@ -37,12 +37,15 @@ async function take(step) {
   if (step.set) {
     for (const [id, value] of Object.entries(step.set)) {
       const control = `document.querySelector(${JSON.stringify(selector(id))})`;
-      if (value === true) await evaluate(`${control}.click()`);
-      for (const v of value === true ? [] : [value].flat()) {
+      if (value === true) {
+        await evaluate(`${control}.click()`);
+        continue;
+      }
+      for (const v of [value].flat()) {
         await evaluate(`${control}.value = ${JSON.stringify(v)}; ${control}.dispatchEvent(new Event("input", { bubbles: true }))`);
         if (Array.isArray(value)) await pause(300);
       }
-      if (value !== true) await evaluate(`${control}.dispatchEvent(new Event("change", { bubbles: true }))`);
+      await evaluate(`${control}.dispatchEvent(new Event("change", { bubbles: true }))`);
     }
   }
   if (step.click) {

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "sampledb/data/unreadable.h"
@@ -318,6 +319,7 @@ Result<convert::ConvertReport> Engine::print(const Decisions& decisions, const d
         }
         last_print_ = {*picture, how, std::move(*options.codes), *std::move(report)};
     }
+    assert(block.x0 == 0 && block.y0 == 0);
     codes = part_of(last_print_.codes, area);
     return last_print_.report;
 }

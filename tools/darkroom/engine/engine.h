@@ -85,7 +85,15 @@ class Engine {
         std::shared_ptr<const sampledb::RunSet> runs;
         std::vector<develop::LightGroup> light_groups{};
         std::string files{};           // as they were when they were last looked at: names, sizes, times
-        std::uint64_t generation = 0;  // counts the pictures made of these runs
+        std::uint64_t generation = 0;  // another one whenever the samples change
+    };
+
+    // The print of a whole picture in which light spreads.
+    struct WholePrint {
+        std::weak_ptr<const KeptPicture> of{};
+        std::string how{};
+        convert::CodeValues codes{};
+        convert::ConvertReport report{};
     };
 
     Engine(EngineOptions options, std::unique_ptr<sampledb::RunSet> runs, std::string files);
@@ -108,14 +116,6 @@ class Engine {
     const EngineOptions options_;
     mutable std::mutex mutex_;  // guards opened_
     Opened opened_;
-    // Of a picture in which light spreads, as a whole.
-    struct WholePrint {
-        std::weak_ptr<const KeptPicture> of{};
-        std::string how{};
-        convert::CodeValues codes{};
-        convert::ConvertReport report{};
-    };
-
     std::mutex looking_;     // one at a time looks again
     std::mutex printing_;    // or prints
     WholePrint last_print_;  // under printing_

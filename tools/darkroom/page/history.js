@@ -16,8 +16,8 @@ let kept_of = -1; // the decision that the last one is of
 export function keep(asked, made) {
   set_recipe(made);
   const text = JSON.stringify(made), last = place === history.length - 1;
-  if (last && (kept_of === decision || history[place] === JSON.stringify(asked))) {
-    history = [...history.slice(0, place), text];
+  if (history[place] === JSON.stringify(asked) || (last && kept_of === decision)) {
+    history[place] = text;
   } else if (history[place] !== text) {
     history = [...history.slice(0, place + 1), text].slice(-500);
     place = history.length - 1;

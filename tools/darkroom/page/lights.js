@@ -9,7 +9,7 @@ import { state } from "./server.js";
 const groups = state.light_groups.map((/** @type {any} */ group) => group.name);
 export const is_spectrum = (/** @type {string} */ text) => /^\d+(\.\d+)?k$/i.test(text) || state.lights.some((/** @type {any} */ light) => light.name === text);
 
-/** Of each group. @param {import("./recipe.js").Recipe} recipe @returns {Setting[]} */
+/** The settings of all groups. @param {import("./recipe.js").Recipe} recipe @returns {Setting[]} */
 export function settings_of(recipe) {
   const lights = [recipe.develop?.light ?? []].flat().map(String);
   return groups.map((name) => {

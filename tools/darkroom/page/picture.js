@@ -54,9 +54,7 @@ async function show_stages(asked) {
     const made = await ask_view(at_stage(asked, stage), stage.mixed);
     if (turn !== mine) return;
     show_error("");
-    if (exact) {
-      commands = made.commands;
-    }
+    if (exact) commands = made.commands;
     if (recipe === asked) keep(asked, exact ? made.recipe : asked);
     if (!exact || made.view !== view || !item || seen.samples < state.samples) {
       if (!await show(made.view, stage.mixed)) return;

@@ -32,8 +32,10 @@ async function probe() {
 }
 /** What is there becomes neutral: as much of it as the mark covers. @param {{x: number, y: number}} place */
 async function pick_neutral(place) {
-  const mark = 15; // pixels of the screen
-  const p = await ask(`probe?${pixel_at(place, mark * print_width() / (viewer.viewport.getZoom(true) * $("picture").clientWidth)).at}`);
+  if (!view) return;
+  const mark = 15; // pixels of the screen: #mark in page.css
+  const side = Math.max(1, mark * print_width() / (viewer.viewport.getZoom(true) * $("picture").clientWidth));
+  const p = await ask(`probe?${pixel_at(place, side).at}`);
   if (!p.xy) throw new Error("a neutral can be picked of cie1931 alone");
   put("convert", "white", p.xy.map((/** @type {number} */ v) => v.toFixed(4)).join(","));
   set_mode("");

@@ -32,10 +32,10 @@ export function colours_of(asked) {
 export const shows = [];
 export const show_controls = () => shows.forEach((show) => show());
 
-// Changes belong to one decision while a slider is moved or a key is held.
+// Changes belong to one decision while a slider is moved.
 let gesture = 0;
 for (const end of ["change", "click", "keyup", "pointerup"]) document.addEventListener(end, () => { ++gesture; }, true);
-/** That the recipe is of. */
+/** The decision that made the recipe. */
 export let decision = 0;
 
 /** What else is to be done when it has changed. @type {() => void} */

@@ -297,6 +297,7 @@ class HttpServer final : public Server {
         for (const develop::LightGroup& group : engine_.light_groups())
             light_groups.push_back({{"name", group.name}, {"replaceable", group.spectrum.has_value()}});
         const bool spectral = runs.job().kind == sampledb::RecordKind::kSpectral;
+        std::error_code ignored;  // then the folder as it was given
         Json state{{"version", LATENT_VERSION},
                    {"inputs", inputs},
                    {"width", size.width},
@@ -316,7 +317,7 @@ class HttpServer final : public Server {
                    {"f_number", nullptr},
                    {"shutter", engine_.knows_shutter()},
                    {"depth", engine_.knows_depth()},
-                   {"folder", std::filesystem::absolute(folder_.path()).lexically_normal().string()},
+                   {"folder", std::filesystem::absolute(folder_.path(), ignored).lexically_normal().string()},
                    {"recipes", folder_.recipes()}};
         if (const std::optional<double> f = engine_.f_number()) state["f_number"] = *f;
         return state;
