@@ -135,8 +135,8 @@ TEST_F(Cover, WhatLetsLightPassClosesNothing) {
 // Not the whole picture counts, but what the walls show of it.
 TEST_F(Cover, AWallIsOpaqueWhereItsAlphaIs) {
     const auto is_closed = [&](double alpha, double cutoff, double u) {
-        const int integer = static_cast<int>(255 * alpha);
-        folder_.write("wall.tga", testing::tga({integer, 0}, {77, 77}));
+        const int code = static_cast<int>(255 * alpha);
+        folder_.write("wall.tga", testing::tga({code, 0}, {77, 77}));
         GltfFile file = cubes({{.half = 3}}, kClosed);
         file.json["images"] = {{{"uri", "wall.tga"}}};
         file.json["textures"] = {{{"source", 0}}};

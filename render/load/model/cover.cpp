@@ -41,7 +41,7 @@ bool is_clear(std::uint32_t material, const SceneDescription& scene) {
     return m.type == "dielectric" || m.type == "thindielectric";
 }
 
-// If nothing is cut out of it by a texture.
+// Whether it is opaque where no texture makes it transparent.
 bool may_close(const LoadedShape& loaded, const SceneDescription& scene) {
     const ShapeDescription& shape = loaded.shape;
     return loaded.mesh && shape.kind == ShapeKind::kTriangles && (shape.alpha.is_textured() || shape.alpha.value > kOpaque) &&
@@ -80,7 +80,7 @@ class Rays {
 
     explicit Rays(const Vec3d& from) : from_(from) {
         const auto at = [](std::size_t cell, float inside) { return (static_cast<float>(cell) + inside) / kSide; };
-        for (std::size_t i = 0; i < kCount; ++i) {  // not the cells' middles, which may lie in planes that the model is even about
+        for (std::size_t i = 0; i < kCount; ++i) {  // not the cells' middles, which may lie in the model's planes of symmetry
             const Vec3f d = sphere_from_square({at(i % kSide, 0.382f), at(i / kSide, 0.618f)});
             x_[i] = d.x, y_[i] = d.y, z_[i] = d.z;
         }
@@ -136,11 +136,14 @@ bool uncover_sky(Model& model) {
     const auto is_closed = [&] {
         return static_cast<std::size_t>(std::ranges::count_if(rays.met(), &std::vector<Met>::empty)) <= Rays::kMaxOpen;
     };
+    const auto is_textured = [](const Met& met) { return met.loaded->shape.alpha.is_textured(); };
     if (!is_closed()) return false;
-    SpectrumLibrary library;
-    const Result<Textures> textures = Textures::build(model.scene, 0, library);
-    if (!textures) return false;  // the scene cannot be rendered
-    erase([&](const Met& met) { return met.loaded->shape.alpha.is_textured() && !(alpha_at(met, *textures) > kOpaque); });
+    if (std::ranges::any_of(rays.met(), [&](const std::vector<Met>& met) { return std::ranges::any_of(met, is_textured); })) {
+        SpectrumLibrary library;
+        const Result<Textures> textures = Textures::build(model.scene, 0, library);
+        if (!textures) return false;  // the scene cannot be rendered
+        erase([&](const Met& met) { return is_textured(met) && !(alpha_at(met, *textures) > kOpaque); });
+    }
     bool is_uncovered = false;
     for (; is_closed(); is_uncovered = true) {
         for (const std::vector<Met>& met : rays.met()) {
