@@ -400,7 +400,10 @@ std::vector<std::size_t> Assembly::cells_of_few_samples(const Windows& windows) 
             if (!contains(windows.cells, piece.cells)) return;
             const Sums sums = sums_in_pane(windows, piece, memory);
             bool any = false;
-            const auto found = [&](std::int64_t, std::int64_t) { return !(any = true); };
+            const auto found = [&](std::int64_t, std::int64_t) {
+                any = true;
+                return false;
+            };
             if (sums.camera) for_few_samples(piece.pixels, piece, sums, found);
             if (!any) return;
             for (std::int64_t y = piece.cells.y0; y < piece.cells.y1; ++y) {

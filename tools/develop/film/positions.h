@@ -9,7 +9,7 @@ namespace latent::develop {
 
 // Positions along an axis, both ends inclusive.
 struct PositionRange {
-    std::uint32_t from = 0, to = ~std::uint32_t{0};
+    std::uint32_t from, to;
     bool meets(const PositionRange& other) const { return other.from <= to && from <= other.to; }
     bool holds(const PositionRange& other) const { return from <= other.from && other.to <= to; }
     bool holds(std::uint32_t position) const { return from <= position && position <= to; }

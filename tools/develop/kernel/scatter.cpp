@@ -8,11 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstring>
 
 #ifndef LATENT_DEVELOP_SCATTER
 #define LATENT_DEVELOP_SCATTER
 namespace latent::develop {
+namespace {
 
 // Rows are left out without a branch, which would be mispredicted where every second one is. kStride: if it is known; else 0.
 
@@ -33,6 +35,7 @@ void scatter_rows(const ScatteredRows& rows, std::span<CellSpace> cells) {
     const std::size_t left_out = cells.size() - 1;
     const float* row = rows.values;
     for (std::size_t i = 0; i < rows.cells.size(); ++i, row += stride) {
+        assert(rows.cells[i] <= left_out);
         CellSpace& to = spaces[kDropsZeros && is_zero<kStride>(row, stride) ? left_out : rows.cells[i]];
         const std::uint32_t place = to.kept++;
         const auto [x, y, values] = to.columns;
@@ -42,6 +45,7 @@ void scatter_rows(const ScatteredRows& rows, std::span<CellSpace> cells) {
     spaces[left_out].kept = 0;
 }
 
+}  // namespace
 }  // namespace latent::develop
 #endif
 
