@@ -43,7 +43,7 @@ class Coated {
         Layer layer;
         Base base;
         bool smooth_coat, smooth_base;
-        float brightness;        // about the share of the light that enters which leaves the layer
+        float brightness;        // about the share of entering light that leaves the layer
         float cosine_share = 1;  // share of directions from within the layer drawn by the cosine; else as the base reflects
         Microfacets lobe{1, 1};  // how the base reflects, seen through the coat
         float returned = 0;      // share of diffuse light from below that the smooth coat and the layer return to the base

@@ -54,7 +54,7 @@ class Hair {
         std::array<float, kTerms> probability;  // each term's share, over all wavelengths
 
      private:
-        std::optional<Vec3f> wi_{};  // that which lobes_ are for
+        std::optional<Vec3f> wi_{};  // direction that lobes_ were computed for
         std::array<float, kTerms> lobes_{};
     };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kNodes = 16;         // along each axis
 constexpr int kGlassFacets = 512;  // at each node
-constexpr float kMaxRoot = 0.6f;   // the reflectance's
+constexpr float kMaxRoot = 0.6f;   // largest root of the reflectance
 using GlassAxis = RootAxis<kNodes>;
 using Shares = LostInGlass::Shares;
 

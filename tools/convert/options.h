@@ -45,8 +45,8 @@ struct ConvertOptions {
 
     std::string layer;     // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer
     std::string observer;  // for spectral pictures: a name in the catalogue, or a CSV file; "": cie1931
-    std::string
-        input_space;  // what the pixels are in, whatever the file says: "xyz", or a name in color/rgb_space.h; "": the file's
+    // What the pixels are in, whatever the file says: "xyz", or a name in color/rgb_space.h; "": as the file says.
+    std::string input_space;
 
     std::optional<double> sensitivity;       // sigma, before `stops`; none: chosen from the picture, or 1 with tone "none"
     std::optional<CameraExposure> exposure;  // that sigma follows from

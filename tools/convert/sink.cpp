@@ -179,7 +179,7 @@ Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, 
     how.png_options.level = options.png_level;
     how.replace = options.replace;
     how.recipe = picture.recipe;
-    image::ImageTags tags;  // each of thousands of tiles has them: nothing, where nothing means sRGB
+    image::ImageTags tags;  // left empty where that means sRGB: there are thousands of tiles
     if (!display.srgb) tags.icc = display.icc;
     const int width = picture.area.width(), height = picture.area.height();
     std::optional<OtherPyramid> other;

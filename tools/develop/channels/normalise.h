@@ -16,7 +16,7 @@ struct SumRow {
     const RowLayout& layout;
     std::span<const double> min_weight;  // each pixel's
     std::span<const double> light_scale;
-    std::array<double, 2> half_scale{};  // further factors of either half's light image, beside light_scale
+    std::array<double, 2> half_scale{};  // factors for the light images of the halves, on top of light_scale
 };
 
 // Writes layout.outputs() floats per pixel: first camera sums / sum w c, plus light sums times their scale. Where sum w c is below

@@ -32,8 +32,8 @@ struct LoadedFilm {
 
 struct ChosenObserver {
     color::Observer observer;
-    std::optional<color::Primaries> primaries =
-        color::kXyzPrimaries;               // what the pictures' R, G, B are; none if they are unbalanced
+    // Those of the pictures' R, G, B; none if they are unbalanced.
+    std::optional<color::Primaries> primaries = color::kXyzPrimaries;
     std::optional<color::CameraFit> fit{};  // for cameras
     double filter_factor = 1;               // that was used
     std::optional<LoadedFilm> film{};       // whose layers are exposed

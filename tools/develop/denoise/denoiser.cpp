@@ -15,15 +15,15 @@ namespace latent::develop {
 
 namespace {
 
-constexpr std::int64_t kRadius = 5;          // how far neighbours are
-constexpr std::int64_t kPatch = 1;           // what is compared around a pixel and its neighbour
-constexpr std::int64_t kVarianceRadius = 2;  // what a variance is measured in
+constexpr std::int64_t kRadius = 5;          // within which neighbours are looked for
+constexpr std::int64_t kPatch = 1;           // of what is compared around a pixel and its neighbour
+constexpr std::int64_t kVarianceRadius = 2;  // within which a variance is measured
 static_assert(kDenoiseReach == kRadius + kPatch + kVarianceRadius);
 
 constexpr std::int64_t kStrip = 32;  // rows that are denoised at once: what they take stays in the nearest caches
 
 constexpr float kNormal = 0.2f, kDepth = 0.04f, kAlbedo = 0.1f;  // differences of surfaces: of depth, relative and per pixel
-constexpr float kSquares = 6;                                    // this many of these: where weights end
+constexpr float kSquares = 6;                                    // weights end at this many of these
 
 // Variance over squared value, at most, when pixels are compared. The light of one sample, or of few, cannot show how much it
 // varies: such a pixel would be like all others. Their light would go over to the dark.

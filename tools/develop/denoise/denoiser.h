@@ -23,7 +23,7 @@ struct DenoisedValues {
     Part picture{};
     std::vector<Part> lights{};                              // whose sum is the picture; none: it is denoised itself
     std::optional<std::size_t> albedo{}, normal{}, depth{};  // three, three and one
-    std::optional<std::size_t> weight{};                     // of camera records: a pixel without any is no neighbour
+    std::optional<std::size_t> weight{};                     // sum w c: a pixel without camera records is no neighbour
     std::optional<std::size_t> variance{};                   // becomes that of the denoised picture
     std::vector<std::size_t> kept{};                         // all that are wanted of a denoised pixel
 

@@ -42,7 +42,7 @@ Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial, double known_of_most) {
     constexpr double kMaxGrowth = 64;
-    constexpr double kUncertain = 0.05, kDoubtful = 0.3;  // how far off what is known may be, and what was measured
+    constexpr double kUncertain = 0.05, kDoubtful = 0.3;  // relative errors: of known values, of measured ones
     constexpr std::size_t kRepeats = 2, kLastRepeats = 4;
     LinearCost cost;
     Tried first, last;

@@ -71,12 +71,12 @@ struct PictureReport {
     bool dims_fireflies = false;
     std::optional<LensCost> lens;  // if only a part of the lens or of the exposure is used
     std::optional<color::CameraFit> camera_fit;
-    double filter_factor = 1;  // the filter's in front of the lens
+    double filter_factor = 1;  // that of the filter in front of the lens
     sampledb::JobId job;
     sampledb::Coverage coverage, missing;  // samples in the picture; those that were asked for by number, but are in no file
     std::uint64_t available = 0;           // samples that could be in it; a preview leaves some out
     std::size_t files = 0, runs = 0;
-    std::uint64_t bytes_stored = 0;  // the selected runs' on disk
+    std::uint64_t bytes_stored = 0;  // size of the selected runs on disk
     std::uint64_t bytes_read = 0;
     std::uint64_t file_bytes = 0, memory_for_all = 0;  // as expected before: forecast.h
     double seconds = 0;
